@@ -1,5 +1,5 @@
 // COLLADA 1.5 robots, .dae and .zae (Khronos' specification, chapter 5 and 10; openrave.org, "Robot
-// extensions for COLLADA"): kinematics, couplings, speeds and masses. Shapes are not read.
+// extensions for COLLADA"): kinematics, couplings, speeds, masses, shapes and manipulators.
 
 #include <cmath>
 #include <functional>
@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/collada_elements.h"
+#include "prehend/robot/formats/collada_shapes.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -21,76 +23,6 @@ using geometry::RigidTransform;
 using Kind = JointDescription::Kind;
 
 constexpr double kRadian = std::numbers::pi / 180;  // of a degree
-
-/// "kmodel1/joint0/axis0" from its end: 0 is "axis0".
-std::string part_of(const std::string& path, std::size_t from_end) {
-  std::string rest = path;
-  for (; from_end > 0; --from_end) {
-    const std::size_t slash = rest.rfind('/');
-    if (slash == std::string::npos) return {};
-    rest.erase(slash);
-  }
-  return rest.substr(rest.rfind('/') + 1);
-}
-
-std::string local_name(const XmlElement& element) {
-  const std::string name = element.name();
-  return name.substr(name.find(':') == std::string::npos ? 0 : name.find(':') + 1);
-}
-
-/// The number of an element, or of the <float> in it.
-std::optional<double> number_in(const std::optional<XmlElement>& element) {
-  if (!element) return std::nullopt;
-  if (const auto value = element->child("float")) return value->text_number();
-  if (element->text().empty()) return std::nullopt;
-  return element->text_number();
-}
-
-/// A formula's MathML at values of joints, by their sids. @throws geometry::InputError for what is
-/// none, or knows no such operator
-double evaluated(const XmlElement& element,
-                 const std::function<double(const std::string&)>& value) {
-  const std::string name = local_name(element);
-  if (name == "cn") return element.text_number();
-  if (name == "csymbol" || name == "ci") return value(part_of(element.text(), 0));
-  if (name == "pi") return std::numbers::pi;
-  const auto parts = element.children();
-  if (name == "math") {
-    if (parts.empty()) element.fail("the formula is empty", "Write one");
-    return evaluated(parts[0], value);
-  }
-  if (name != "apply" || parts.empty()) {
-    element.fail("<" + name + "> is none that is read in formulas", "Write apply, cn, csymbol");
-  }
-  const std::string operation = local_name(parts[0]);
-  std::vector<double> numbers;
-  for (std::size_t i = 1; i < parts.size(); ++i) numbers.push_back(evaluated(parts[i], value));
-  const auto need = [&](std::size_t count) {
-    if (numbers.size() != count)
-      element.fail("<" + operation + "> has another count of parts", "Mend it");
-  };
-  if (operation == "plus" || operation == "times") {
-    double result = operation == "plus" ? 0 : 1;
-    for (const double number : numbers) {
-      result = operation == "plus" ? result + number : result * number;
-    }
-    return result;
-  }
-  if (operation == "minus" && numbers.size() == 1) return -numbers[0];
-  if (operation == "minus") {
-    need(2);
-    return numbers[0] - numbers[1];
-  }
-  if (operation == "divide") {
-    need(2);
-    return numbers[0] / numbers[1];
-  }
-  if (operation == "sin" || operation == "cos") {
-    need(1);
-    return operation == "sin" ? std::sin(numbers[0]) : std::cos(numbers[0]);
-  }
-  element.fail("the operator <" + operation + "> is not read", "Write plus, minus, times, divide");
-}
 
 class ColladaReader {
  public:
@@ -116,18 +48,18 @@ class ColladaReader {
     read_model(models[0]);
     for (std::size_t i = 1; i < models.size(); ++i) models[i].drop("one model is read of a file");
     read_systems(root);
-    read_masses(root);
+    for (const XmlElement& extra : models[0].children("extra")) read_extra(extra);
+    read_bodies(root);
     for (const auto& [element, why] : std::initializer_list<std::pair<const char*, const char*>>{
-             {"library_geometries", "shapes are not read of this format"},
-             {"library_visual_scenes", "shapes are not read of this format"},
-             {"library_nodes", "shapes are not read of this format"},
-             {"library_materials", "shapes are not read of this format"},
-             {"library_effects", "shapes are not read of this format"},
-             {"library_images", "shapes are not read of this format"},
-             {"scene", "how parts are bound to a scene"},
-             {"library_kinematics_scenes", "how parts are bound to a scene"},
-             {"library_physics_scenes", "how parts are bound to a scene"}}) {
+             {"library_images", "textures are not kept"},
+             {"library_lights", "the scene's lights are not kept"},
+             {"library_cameras", "the scene's cameras are not kept"}}) {
       for (const XmlElement& one : root.children(element)) one.drop(why);
+    }
+    if (const auto scene = root.child("scene")) {
+      for (const XmlElement& one : scene->children("instance_physics_scene")) {
+        one.drop("bodies are tied to links by the physics scenes themselves");
+      }
     }
     for (const XmlElement& one : root.children("extra")) one.drop("it is of its writer's own");
     return std::move(robot_);
@@ -187,28 +119,6 @@ class ColladaReader {
     return joint;
   }
 
-  RigidTransform steps(const XmlElement& element) const {
-    RigidTransform X = RigidTransform::Identity();
-    for (const XmlElement& one : element.children()) {
-      if (one.name() == "translate") {
-        const auto n = one.text_numbers(3);
-        X.translate(length_ * Eigen::Vector3d(n[0], n[1], n[2]));
-      } else if (one.name() == "rotate") {
-        const auto n = one.text_numbers(4);
-        const Eigen::Vector3d axis(n[0], n[1], n[2]);
-        if (axis.norm() > 1e-9) X.rotate(Eigen::AngleAxisd(kRadian * n[3], axis.normalized()));
-      } else if (one.name() == "matrix") {
-        const auto n = one.text_numbers(16);
-        const Eigen::Matrix4d given =
-            Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(n.data());
-        X = X * geometry::make_transform(
-                    Eigen::Quaterniond(Eigen::Matrix3d(given.topLeftCorner<3, 3>())),
-                    length_ * given.topRightCorner<3, 1>());
-      }
-    }
-    return X;
-  }
-
   void read_model(const XmlElement& model) {
     model.attribute("id");
     const auto technique = model.child("technique_common");
@@ -238,11 +148,11 @@ class ColladaReader {
       element.approximate("a second link '" + name + "' is called by its sid, too");
       name += "_" + sid;
     }
-    const RigidTransform X_own = steps(element);
+    if (!sid.empty()) link_of_sid_.emplace(sid, name);
+    const RigidTransform X_own = collada_steps(element, length_);
     std::string parent = above;
     if (above.empty()) {
       robot_.links.push_back({name, {}, {}, {}});
-      roots_[name] = X_own;
     } else {
       const auto found = joints_.find(hung.first);
       if (found == joints_.end())
@@ -275,8 +185,7 @@ class ColladaReader {
     }
     for (const XmlElement& one : element.children("attachment_full")) {
       const std::string joint = part_of(one.needed("joint"), 0);
-      const RigidTransform X =
-          (above.empty() ? roots_[name] : RigidTransform::Identity()) * steps(one);
+      const RigidTransform X = collada_steps(one, length_);
       const auto child = one.child("link");
       if (!child) {
         one.drop("nothing hangs on it");
@@ -351,12 +260,7 @@ class ColladaReader {
         }
         for (const XmlElement& one : kinematics->children("formula")) read_formula(one);
       }
-      for (const XmlElement& extra : system.children("extra")) {
-        const std::string type = extra.attribute("type").value_or("");
-        extra.drop(type == "manipulator"
-                       ? "manipulators, with their closing directions, are not kept"
-                       : "it is OpenRAVE's own");
-      }
+      for (const XmlElement& extra : system.children("extra")) read_extra(extra);
     }
     for (const XmlElement& system : library->children("articulated_system")) {
       const auto motion = system.child("motion");
@@ -392,8 +296,85 @@ class ColladaReader {
     for (const XmlElement& one : info.children("formula")) read_formula(one);
   }
 
-  /// Rigid bodies are tied to visual nodes; those bear the links' names.
-  void read_masses(const XmlElement& root) {
+  /// What OpenRAVE adds to a model or a system.
+  void read_extra(const XmlElement& extra) {
+    const std::string type = extra.attribute("type").value_or("");
+    const auto technique = extra.child("technique");
+    if (!technique || technique->attribute("profile").value_or("") != "OpenRAVE") {
+      return extra.drop("it is of its writer's own");
+    }
+    if (type == "manipulator") {
+      read_manipulator(extra, *technique);
+    } else if (type == "collision") {
+      for (const XmlElement& one : technique->children()) {
+        const std::string first = link_named(one.attribute("link0"));
+        const std::string second = link_named(one.attribute("link1"));
+        if (one.name() == "ignore_link_pair" && !first.empty() && !second.empty()) {
+          robot_.disabled_collisions.emplace_back(first, second);
+        } else {
+          one.drop("states of links, and pairs of links that are not there, are not kept");
+        }
+      }
+    } else {
+      extra.drop("it is OpenRAVE's own");
+    }
+  }
+
+  /// The link of "kmodel1/link0"; empty: it is not there.
+  std::string link_named(const std::optional<std::string>& path) const {
+    const auto found = link_of_sid_.find(part_of(path.value_or(""), 0));
+    return found == link_of_sid_.end() ? std::string() : found->second;
+  }
+
+  void read_manipulator(const XmlElement& extra, const XmlElement& technique) {
+    Manipulator manipulator;
+    manipulator.name = extra.attribute("name").value_or("");
+    const auto origin = technique.child("frame_origin"), tip = technique.child("frame_tip");
+    manipulator.base = origin ? link_named(origin->attribute("link")) : "";
+    manipulator.tip = tip ? link_named(tip->attribute("link")) : "";
+    if (manipulator.base.empty() || manipulator.tip.empty()) {
+      return extra.drop("its links are not there");
+    }
+    manipulator.X_TipTool = collada_steps(*tip, length_);
+    if (const auto direction = tip->child("direction")) {
+      direction->drop("the way it approaches is not kept");
+    }
+    for (const XmlElement& one : technique.children("gripper_joint")) {
+      const JointDescription* joint = joint_of(one.attribute("joint").value_or(""));
+      std::optional<XmlElement> way = one.child("chucking_direction");
+      if (!way) way = one.child("closing_direction");
+      if (!joint) {
+        one.drop("its joint is not there");
+        continue;
+      }
+      if (way) way->attribute("axis");
+      manipulator.closing.emplace_back(joint->name, number_in(way).value_or(0));
+    }
+    for (const char* other : {"iksolver", "interface_type", "grippername"}) {
+      for (const XmlElement& one : technique.children(other)) one.drop("it is OpenRAVE's own");
+    }
+    robot_.manipulators.push_back(std::move(manipulator));
+  }
+
+  /// Where links are in the root's frame, all joints at 0, also those that follow.
+  ColladaLinks links_at_zero() {
+    RobotDescription at_zero = robot_;
+    for (JointDescription& joint : at_zero.joints) joint.follows.reset();
+    ColladaLinks links;
+    links.X_RL = link_poses(at_zero, {});
+    links.root = roots(robot_).front();
+    links.moved_by = [this](const std::string& axis) {
+      const JointDescription* joint = joint_of(axis);
+      return joint ? joint->child : std::string();
+    };
+    return links;
+  }
+
+  /// Shapes and masses. Rigid bodies are tied to visual nodes, and those to links.
+  void read_bodies(const XmlElement& root) {
+    const ColladaLinks links = links_at_zero();
+    ColladaShapes shapes(document_, length_);
+    shapes.read_visuals(links, robot_);
     const auto library = root.child("library_physics_models");
     if (!library) return;
     std::map<std::string, std::string> link_of;  // by rigid body
@@ -401,8 +382,9 @@ class ColladaReader {
       for (const XmlElement& one : holder.children("instance_rigid_body")) {
         std::string target = one.attribute("target").value_or("");
         if (target.starts_with("#")) target.erase(0, 1);
-        const auto node = document_.by_id(target);
-        const std::string name = node ? node->attribute("name").value_or("") : "";
+        std::string name = shapes.link_of_node(target);
+        const auto node = name.empty() ? document_.by_id(target) : std::nullopt;
+        if (node) name = node->attribute("name").value_or("");
         if (robot_.link(name)) link_of[one.attribute("body").value_or("")] = name;
       }
     };
@@ -414,48 +396,42 @@ class ColladaReader {
     for (const XmlElement& model : library->children("physics_model")) {
       for (const XmlElement& one : model.children("instance_physics_model")) tie(one);
     }
-    // Mass frames are in the model's, all joints at 0, also those that follow.
-    RobotDescription at_zero = robot_;
-    for (JointDescription& joint : at_zero.joints) joint.follows.reset();
-    const auto poses = link_poses(at_zero, {});
-    const RigidTransform X_root =
-        roots_.empty() ? RigidTransform::Identity() : roots_.begin()->second;
     for (const XmlElement& model : library->children("physics_model")) {
       for (const XmlElement& body : model.children("rigid_body")) {
         const std::string sid = body.attribute("sid").value_or("");
         const auto found = link_of.find(sid);
         const std::string name =
             found != link_of.end() ? found->second : body.attribute("name").value_or("");
-        if (!robot_.link(name)) {
+        const auto technique = body.child("technique_common");
+        if (!robot_.link(name) || !technique) {
           body.drop("no link is tied to it");
           continue;
         }
-        read_mass(body, name, (X_root * poses.at(name)).inverse());
+        // Its frames are in the root's, not in its link's.
+        const RigidTransform X_LR = links.X_RL.at(name).inverse();
+        for (LinkDescription& link : robot_.links) {
+          if (link.name != name) continue;
+          read_mass(*technique, X_LR, link);
+          auto solids = shapes.read_body(*technique, X_LR, name);
+          if (!solids.empty()) link.collisions = std::move(solids);
+        }
       }
     }
   }
 
-  void read_mass(const XmlElement& body, const std::string& name, const RigidTransform& X_LM) {
-    const auto technique = body.child("technique_common");
-    if (!technique) return;
+  void read_mass(const XmlElement& technique, const RigidTransform& X_LR, LinkDescription& link) {
     Inertial inertial;
-    inertial.mass = number_in(technique->child("mass")).value_or(0);
-    technique->child("dynamic");
+    inertial.mass = number_in(technique.child("mass")).value_or(0);
+    technique.child("dynamic");
     RigidTransform X_MI = RigidTransform::Identity();
-    if (const auto frame = technique->child("mass_frame")) X_MI = steps(*frame);
-    inertial.X_LI = X_LM * X_MI;
-    if (const auto inertia = technique->child("inertia")) {
+    if (const auto frame = technique.child("mass_frame")) X_MI = collada_steps(*frame, length_);
+    inertial.X_LI = X_LR * X_MI;
+    if (const auto inertia = technique.child("inertia")) {
       const auto n = inertia->text_numbers(3);
       inertial.inertia = Eigen::Vector3d(n[0], n[1], n[2]).asDiagonal();
     }
-    for (const XmlElement& one : technique->children("shape")) {
-      one.drop("shapes are not read of this format");
-    }
     constexpr double kUnknown = 1e-9;  // kg: what is written for no mass
-    if (!(inertial.mass > kUnknown)) return;
-    for (LinkDescription& link : robot_.links) {
-      if (link.name == name) link.inertial = inertial;
-    }
+    if (inertial.mass > kUnknown) link.inertial = inertial;
   }
 
   TrackedXml& document_;
@@ -466,7 +442,7 @@ class ColladaReader {
   std::map<std::string, XmlElement> library_joints_;  // by id
   std::map<std::string, Joint> joints_;               // by sid
   std::map<std::string, std::string> of_axis_;        // joint's name by "joint/axis"
-  std::map<std::string, RigidTransform> roots_;       // of roots, in the model
+  std::map<std::string, std::string> link_of_sid_;
 };
 
 class Collada : public RobotFormat {

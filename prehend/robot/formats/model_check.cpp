@@ -10,6 +10,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/overlap.h"
 #include "prehend/robot/formats/shape_mesh.h"
 #include "prehend/robot/formats/uniform_inertial.h"
 #include "prehend/robot/mesh_shape.h"
@@ -43,6 +44,7 @@ class Checker {
       check_inertial(link);
     }
     for (const JointDescription& joint : robot_.joints) check_joint(joint);
+    check_overlaps();
     return std::move(findings_);
   }
 
@@ -196,6 +198,18 @@ class Checker {
     } catch (const std::exception& problem) {
       add(Level::kWarning, place, std::string("has a mesh that is not read: ") + problem.what(),
           "Convert it to STL, OBJ, PLY or COLLADA");
+    }
+  }
+
+  void check_overlaps() {
+    try {
+      for (const LinkOverlap& one : overlaps_at_rest(robot_, meshes_)) {
+        add(Level::kWarning, fmt::format("link '{}' and link '{}'", one.first, one.second),
+            fmt::format("overlap by {:.1f} mm at rest", 1e3 * one.depth),
+            "Allow them to touch (SRDF disable_collisions), or make the shapes smaller");
+      }
+    } catch (const geometry::InputError&) {
+      // The tree or its couplings are wrong, which is said already.
     }
   }
 

@@ -18,7 +18,7 @@ struct ModelFinding {
 
 /// Checks masses and inertias (each principal one at most the sum of the others; no wider than the
 /// link's shapes allow), limits, efforts, speeds, axes, couplings, shapes and their meshes: whether
-/// they are there, in metres, and mirrored.
+/// they are there, in metres, and mirrored; whether links overlap at rest, as overlaps_at_rest().
 /// @param folder from which meshes are found, as of find_mesh_file()
 std::vector<ModelFinding> check_model(const RobotDescription& robot,
                                       const std::filesystem::path& folder);

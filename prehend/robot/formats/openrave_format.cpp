@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <regex>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -93,23 +92,15 @@ class OpenRaveReader {
   }
 
   RobotDescription finish() {
-    if (robot_.links.empty()) return std::move(robot_);
-    std::set<std::string> held;
-    for (const JointDescription& joint : robot_.joints) held.insert(joint.child);
-    std::string root;
-    for (const LinkDescription& link : robot_.links) {
-      if (held.count(link.name) != 0) continue;
-      if (root.empty()) {
-        root = link.name;
-        continue;
-      }
+    const std::vector<std::string> beside = roots(robot_);
+    for (std::size_t i = 1; i < beside.size(); ++i) {
       JointDescription weld;
-      weld.name = link.name + "_weld";
-      weld.parent = root;
-      weld.child = link.name;
-      weld.X_PJ = poses_.at(root).inverse() * poses_.at(link.name);
-      loss_.approximate("body '" + link.name + "'", "body without a joint",
-                        "fixed to '" + root + "'");
+      weld.name = beside[i] + "_weld";
+      weld.parent = beside[0];
+      weld.child = beside[i];
+      weld.X_PJ = poses_.at(beside[0]).inverse() * poses_.at(beside[i]);
+      loss_.approximate("body '" + beside[i] + "'", "body without a joint",
+                        "fixed to '" + beside[0] + "'");
       robot_.joints.push_back(std::move(weld));
     }
     return std::move(robot_);
@@ -145,7 +136,7 @@ class OpenRaveReader {
       } else if (is_called(name, "Joint")) {
         read_joint(one, prefix);
       } else if (is_called(name, "Manipulator")) {
-        one.drop("manipulators, with their closing directions, are not kept");
+        read_manipulator(one, prefix);
       } else if (is_called(name, "AttachedSensor")) {
         read_sensor(one, prefix);
       } else if (is_called(name, "adjacent")) {
@@ -374,6 +365,38 @@ class OpenRaveReader {
     if (!follows) return;
     follows->joint = prefix + follows->joint;
     joint.follows = follows;
+  }
+
+  void read_manipulator(const XmlElement& element, const std::string& prefix) {
+    Manipulator manipulator;
+    manipulator.name = prefix + element.attribute("name").value_or("");
+    const auto base = element.child("base"), tip = element.child("effector");
+    if (base) manipulator.base = prefix + base->text();
+    if (tip) manipulator.tip = prefix + tip->text();
+    if (poses_.count(manipulator.base) == 0 || poses_.count(manipulator.tip) == 0) {
+      return element.drop("its links are not there");
+    }
+    manipulator.X_TipTool = placed(element);
+    std::vector<std::string> names;
+    for (const char* list : {"joints", "gripperjoints"}) {
+      const auto one = element.child(list);
+      if (!one) continue;
+      std::istringstream words(one->text());
+      for (std::string word; words >> word;) names.push_back(prefix + word);
+    }
+    std::vector<double> ways;
+    for (const char* list : {"closingdirection", "chuckingdirection"}) {
+      if (const auto one = element.child(list)) ways = one->text_numbers(0);
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      manipulator.closing.emplace_back(names[i], i < ways.size() ? ways[i] : 0);
+    }
+    for (const char* other : {"armjoints", "direction", "palmdirection", "iksolver"}) {
+      if (const auto one = element.child(other)) {
+        one->drop("of a manipulator, links, tool and closing directions are kept");
+      }
+    }
+    robot_.manipulators.push_back(std::move(manipulator));
   }
 
   void read_sensor(const XmlElement& element, const std::string& prefix) {

@@ -30,6 +30,16 @@ const JointDescription* RobotDescription::joint(const std::string& joint_name) c
   return found == joints.end() ? nullptr : &*found;
 }
 
+std::vector<std::string> roots(const RobotDescription& robot) {
+  std::set<std::string> held;
+  for (const JointDescription& joint : robot.joints) held.insert(joint.child);
+  std::vector<std::string> result;
+  for (const LinkDescription& link : robot.links) {
+    if (held.count(link.name) == 0) result.push_back(link.name);
+  }
+  return result;
+}
+
 std::vector<std::string> tree_order(const RobotDescription& robot) {
   if (robot.links.empty()) throw InputError("The robot has no link", "Name a file that has some");
   std::set<std::string> names, joint_names;
@@ -56,10 +66,7 @@ std::vector<std::string> tree_order(const RobotDescription& robot) {
     }
     children[joint.parent].push_back(joint.child);
   }
-  std::vector<std::string> order;
-  for (const LinkDescription& link : robot.links) {
-    if (below.count(link.name) == 0) order.push_back(link.name);
-  }
+  std::vector<std::string> order = roots(robot);
   if (order.size() > 1) {
     throw InputError(
         "Links '" + order[0] + "' and '" + order[1] + "' both have no joint above them",

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -90,6 +91,14 @@ struct Sensor {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m, of a tactile cell's box; 0: none
 };
 
+/// An arm with what it holds with, or a gripper alone, as programs for planning call it.
+struct Manipulator {
+  std::string name, base, tip;  // links; a gripper alone may have one for both
+  geometry::RigidTransform X_TipTool = geometry::RigidTransform::Identity();  // tool, in the tip
+  /// The gripper's joints, each with the direction in which it closes: 1, -1; 0: it stays.
+  std::vector<std::pair<std::string, double>> closing;
+};
+
 struct RobotDescription {
   std::string name;
   std::vector<LinkDescription> links;
@@ -97,6 +106,7 @@ struct RobotDescription {
   std::vector<Loop> loops;
   std::vector<Actuator> actuators;
   std::vector<Sensor> sensors;
+  std::vector<Manipulator> manipulators;
   std::vector<std::pair<std::string, std::string>> disabled_collisions;  // links
 
   const LinkDescription* link(const std::string& link_name) const;
@@ -104,6 +114,10 @@ struct RobotDescription {
   /// The joint that `link_name` hangs on; null: it is a root.
   const JointDescription* joint_above(const std::string& link_name) const;
 };
+
+/// Links that no joint holds, in their order: the first is the root, others are beside it, as in
+/// formats whose links stand in the robot's frame.
+std::vector<std::string> roots(const RobotDescription& robot);
 
 /// The links in an order in which parents come first, by joints that make a tree.
 /// @throws geometry::InputError naming link or joint: none at all, two of a name, a joint of a link

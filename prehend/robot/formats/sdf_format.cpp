@@ -1,6 +1,5 @@
 // SDF 1.2 to 1.9 (http://sdformat.org/spec), one model, read; SDF 1.7 written.
 
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -189,21 +188,15 @@ class SdfReader {
  private:
   /// What no joint holds, beside the first such link, is free.
   void free_links() {
-    std::set<std::string> held;
-    for (const JointDescription& joint : robot_.joints) held.insert(joint.child);
-    std::string root;
-    for (const LinkDescription& link : robot_.links) {
-      if (held.count(link.name) != 0) continue;
-      if (root.empty()) {
-        root = link.name;
-        continue;
-      }
+    const std::vector<std::string> beside = roots(robot_);
+    for (std::size_t i = 1; i < beside.size(); ++i) {
       JointDescription joint;
-      joint.name = link.name + "_free";
+      joint.name = beside[i] + "_free";
       joint.kind = Kind::kFloating;
-      joint.parent = root;
-      joint.child = link.name;
-      joint.X_PJ = frames_.in_model(root, "model").inverse() * frames_.in_model(link.name, "model");
+      joint.parent = beside[0];
+      joint.child = beside[i];
+      joint.X_PJ =
+          frames_.in_model(beside[0], "model").inverse() * frames_.in_model(beside[i], "model");
       robot_.joints.push_back(std::move(joint));
     }
   }
@@ -325,6 +318,9 @@ class SdfWriter {
     }
     for (const Actuator& actuator : robot_.actuators) {
       loss_.drop("actuator '" + actuator.name + "'", "actuator", "SDF has none but by plugins");
+    }
+    for (const Manipulator& one : robot_.manipulators) {
+      loss_.drop("manipulator '" + one.name + "'", "manipulator", "SDF has no manipulators");
     }
     if (!robot_.disabled_collisions.empty()) {
       loss_.drop("robot",

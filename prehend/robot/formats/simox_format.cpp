@@ -129,7 +129,7 @@ class SimoxReader {
       one.drop("sets of nodes are not kept");
     }
     for (const XmlElement& one : root.children("Endeffector")) {
-      one.drop("groups of fingers and preshapes are not kept");
+      read_endeffector(one);
     }
     document.finish();
     return first;
@@ -147,6 +147,14 @@ class SimoxReader {
     for (const LinkDescription& link : robot_.links) {
       if (link.name == root) continue;
       robot_.joints.push_back(joints_.at(link.name));
+    }
+    for (const auto& [manipulator, place] : endeffectors_) {
+      const auto is_there = [&](const std::string& link) { return robot_.link(link) != nullptr; };
+      if (is_there(manipulator.base) && is_there(manipulator.tip)) {
+        robot_.manipulators.push_back(manipulator);
+      } else {
+        loss_.drop(place, "Endeffector '" + manipulator.name + "'", "its nodes are not there");
+      }
     }
     for (const auto& [follower, follows] : follows_) {
       for (JointDescription& joint : robot_.joints) {
@@ -194,6 +202,18 @@ class SimoxReader {
         adopt(link.name, read_file(path, depth + 1), one);
       }
     }
+  }
+  /// Its tool is the node that is called tcp; which way fingers close, it does not say.
+  void read_endeffector(const XmlElement& element) {
+    Manipulator manipulator;
+    manipulator.name = element.attribute("name").value_or("");
+    manipulator.base = element.attribute("base").value_or("");
+    manipulator.tip = element.attribute("tcp").value_or(manipulator.base);
+    element.drop_attribute("gcp", "one frame is kept of an end effector");
+    for (const XmlElement& one : element.children()) {
+      one.drop("groups of fingers and preshapes are not kept");
+    }
+    endeffectors_.emplace_back(std::move(manipulator), element.place());
   }
   void adopt(const std::string& parent, const std::string& child, const XmlElement& at) {
     if (!parents_.emplace(child, parent).second) {
@@ -272,9 +292,10 @@ class SimoxReader {
 
   LossReport& loss_;
   RobotDescription robot_;
-  std::map<std::string, JointDescription> joints_;  // by node
-  std::map<std::string, std::string> parents_;      // by child
-  std::map<std::string, Follows> follows_;          // by follower
+  std::map<std::string, JointDescription> joints_;                 // by node
+  std::map<std::string, std::string> parents_;                     // by child
+  std::map<std::string, Follows> follows_;                         // by follower
+  std::vector<std::pair<Manipulator, std::string>> endeffectors_;  // and their places
 };
 
 class Simox : public RobotFormat {

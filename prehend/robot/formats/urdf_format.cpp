@@ -215,6 +215,10 @@ class UrdfWriter {
       loss_.drop("sensor '" + sensor.name + "'", "sensor (" + sensor.kind + ")",
                  "URDF has no sensors");
     }
+    for (const Manipulator& one : robot_.manipulators) {
+      loss_.drop("manipulator '" + one.name + "'", "manipulator",
+                 "URDF has no manipulators; SRDF has");
+    }
     if (!robot_.disabled_collisions.empty()) {
       loss_.drop("robot",
                  fmt::format("{} pairs of links that may touch", robot_.disabled_collisions.size()),

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/robot/formats/tracked_xml.h"
+
+// Parts that COLLADA's kinematics and its shapes have in common.
+namespace prehend::robot::formats {
+
+/// "kmodel1/joint0/axis0" from its end: 0 is "axis0"; empty: there is none.
+std::string part_of(const std::string& path, std::size_t from_end);
+
+/// The number of an element, or of the <float> in it.
+std::optional<double> number_in(const std::optional<XmlElement>& element);
+
+/// An element's <bool>, or `otherwise`.
+bool bool_in(const std::optional<XmlElement>& element, bool otherwise);
+
+/// The steps <translate>, <rotate> and <matrix> in an element, in their order.
+/// @param length metres of the file's unit
+geometry::RigidTransform collada_steps(const XmlElement& element, double length);
+
+/// A formula's MathML at values of joints, by their sids. @throws geometry::InputError for what is
+/// none, or knows no such operator
+double evaluated(const XmlElement& element, const std::function<double(const std::string&)>& value);
+
+}  // namespace prehend::robot::formats

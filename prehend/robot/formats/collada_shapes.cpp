@@ -1,0 +1,656 @@
+#include "prehend/robot/formats/collada_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/collada_elements.h"
+
+namespace prehend::robot::formats {
+namespace {
+
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+
+constexpr std::size_t kMostNodes = 100000;
+constexpr std::size_t kMostBakedPoints = 10000000;
+
+std::vector<std::string> split_path(const std::string& path) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    if (end > begin && path.substr(begin, end - begin) != ".") {
+      parts.push_back(path.substr(begin, end - begin));
+    }
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// An attribute that counts something.
+std::size_t count_of(const XmlElement& element, const char* name, std::size_t otherwise) {
+  const auto number = element.number(name);
+  if (!number) return otherwise;
+  constexpr double kMost = 1e9;
+  if (!(*number >= 0 && *number <= kMost) || *number != std::floor(*number)) {
+    element.fail(fmt::format("{}=\"{:g}\" is no count", name, *number),
+                 "Write a whole number, 0 or more");
+  }
+  return static_cast<std::size_t>(*number);
+}
+
+bool is_step(const std::string& name) {
+  static const std::set<std::string> kSteps{"lookat", "matrix", "rotate",
+                                            "scale",  "skew",   "translate"};
+  return kSteps.count(name) != 0;
+}
+
+bool is_rigid(const Eigen::Matrix3d& M) {
+  constexpr double kRounded = 1e-5;  // numbers in files have few digits
+  return M.determinant() > 0 &&
+         (M.transpose() * M - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRounded;
+}
+
+TriangleMesh without_doubles(const std::vector<Eigen::Vector3d>& points,
+                             const std::vector<Eigen::Vector3i>& triangles) {
+  const TriangleMesh mesh{points, triangles};
+  const double extent = geometry::bounds(mesh).diagonal().norm();
+  // Some writers repeat the corners of each triangle.
+  return extent > 0 ? geometry::with_merged_vertices(mesh, 1e-7 * extent) : TriangleMesh();
+}
+
+RigidTransform rigid(const Eigen::Affine3d& X) {
+  return geometry::make_transform(Eigen::Quaterniond(X.linear()).normalized(), X.translation());
+}
+
+}  // namespace
+
+std::optional<XmlElement> ColladaShapes::referred(const std::string& url) {
+  if (!url.starts_with("#")) return std::nullopt;
+  return document_.by_id(url.substr(1));
+}
+
+std::string ColladaShapes::link_of_node(const std::string& id) const {
+  const auto found = links_of_nodes_.find(id);
+  return found == links_of_nodes_.end() ? std::string() : found->second;
+}
+
+std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlElement& root) const {
+  std::map<std::string, std::string> references;
+  const auto read = [&](const XmlElement& instance) {
+    for (const XmlElement& one : instance.children("newparam")) {
+      if (const auto target = one.child("SIDREF")) {
+        references[one.attribute("sid").value_or("")] = target->text();
+      } else {
+        one.drop("where joints stand in the scene");
+      }
+    }
+    for (const XmlElement& one : instance.children("bind")) {
+      const std::string symbol = one.attribute("symbol").value_or("");
+      if (const auto param = one.child("param")) {
+        references[symbol] = param->attribute("ref").value_or(param->text());
+      } else if (const auto target = one.child("SIDREF")) {
+        references[symbol] = target->text();
+      } else {
+        one.drop("where joints stand in the scene");
+      }
+    }
+  };
+  for (const XmlElement& library : root.children("library_kinematics_scenes")) {
+    for (const XmlElement& scene : library.children("kinematics_scene")) {
+      for (const char* kind : {"instance_articulated_system", "instance_kinematics_model"}) {
+        for (const XmlElement& one : scene.children(kind)) read(one);
+      }
+    }
+  }
+  for (const XmlElement& library : root.children("library_articulated_systems")) {
+    for (const XmlElement& system : library.children("articulated_system")) {
+      for (const char* part : {"kinematics", "motion"}) {
+        const auto holder = system.child(part);
+        if (!holder) continue;
+        for (const char* kind : {"instance_articulated_system", "instance_kinematics_model"}) {
+          for (const XmlElement& one : holder->children(kind)) read(one);
+        }
+      }
+    }
+  }
+  return references;
+}
+
+void ColladaShapes::read_bindings(const ColladaLinks& links) {
+  const XmlElement root = document_.root();
+  const auto references = read_parameters(root);
+  const auto scene = root.child("scene");
+  const auto instance = scene ? scene->child("instance_kinematics_scene") : std::nullopt;
+  if (!instance) return;
+  for (const XmlElement& one : instance->children("bind_kinematics_model")) {
+    std::string node = one.attribute("node").value_or("");
+    if (node.starts_with("#")) node.erase(0, 1);
+    one.child("param");
+    if (!split_path(node).empty()) roots_.push_back({split_path(node), links.root});
+  }
+  for (const XmlElement& one : instance->children("bind_joint_axis")) {
+    const auto axis = one.child("axis");
+    if (const auto value = one.child("value")) value->drop("where joints stand in the scene");
+    const auto path = split_path(one.attribute("target").value_or(""));
+    if (!axis || path.empty()) continue;
+    std::optional<XmlElement> word = axis->child("param");
+    if (!word) word = axis->child("SIDREF");
+    std::string name = word ? word->text() : axis->text();
+    // A parameter refers to one of the system below, that at last to the axis.
+    constexpr int kMostSteps = 16;
+    for (int step = 0; step < kMostSteps; ++step) {
+      const auto found = references.find(part_of(name, 0));
+      if (found == references.end() || found->second == name) break;
+      name = found->second;
+    }
+    const std::string link = links.moved_by(name);
+    if (link.empty()) {
+      one.drop("its joint '" + name + "' is not there");
+      continue;
+    }
+    axes_.push_back({path, link});
+    bound_links_.insert(link);
+  }
+}
+
+std::optional<XmlElement> ColladaShapes::shown_scene() {
+  const XmlElement root = document_.root();
+  if (const auto scene = root.child("scene")) {
+    if (const auto instance = scene->child("instance_visual_scene")) {
+      if (auto shown = referred(instance->attribute("url").value_or(""))) return shown;
+    }
+  }
+  const auto library = root.child("library_visual_scenes");
+  return library ? library->child("visual_scene") : std::nullopt;
+}
+
+const ColladaShapes::Binding* ColladaShapes::bound(const std::vector<Binding>& bindings,
+                                                   const std::vector<std::string>& labels,
+                                                   const std::string& label) const {
+  for (const Binding& one : bindings) {
+    if (one.path.back() != label) continue;
+    const bool is_below =
+        std::all_of(one.path.begin(), one.path.end() - 1, [&](const std::string& part) {
+          return std::find(labels.begin(), labels.end(), part) != labels.end();
+        });
+    if (is_below) return &one;
+  }
+  return nullptr;
+}
+
+void ColladaShapes::move(const XmlElement& step, Eigen::Affine3d& X) const {
+  const std::string kind = step.name();
+  if (kind == "translate") {
+    const auto n = step.text_numbers(3);
+    X.translate(length_ * Eigen::Vector3d(n[0], n[1], n[2]));
+  } else if (kind == "rotate") {
+    const auto n = step.text_numbers(4);
+    const Eigen::Vector3d axis(n[0], n[1], n[2]);
+    if (axis.norm() > 1e-9) {
+      X.rotate(Eigen::AngleAxisd(std::numbers::pi / 180 * n[3], axis.normalized()));
+    }
+  } else if (kind == "scale") {
+    const auto n = step.text_numbers(3);
+    X.scale(Eigen::Vector3d(n[0], n[1], n[2]));
+  } else if (kind == "matrix") {
+    const auto n = step.text_numbers(16);
+    Eigen::Affine3d given = Eigen::Affine3d::Identity();
+    given.linear() << n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10];
+    given.translation() = length_ * Eigen::Vector3d(n[3], n[7], n[11]);
+    X = X * given;
+  } else if (kind == "lookat" || kind == "skew") {
+    step.drop("such a step is not read");
+  }
+}
+
+void ColladaShapes::visit(const XmlElement& node, Place place, int depth,
+                          const ColladaLinks& links) {
+  constexpr int kDeepest = 200;
+  if (depth > kDeepest) node.fail("nodes are in a ring, or too deep in one another", "Mend it");
+  if (++nodes_ > kMostNodes) {
+    node.fail(fmt::format("the scene has more than {} nodes", kMostNodes), "Leave some away");
+  }
+  for (const char* label : {"id", "sid"}) {
+    if (const auto word = node.attribute(label)) place.own_labels.push_back(*word);
+  }
+  place.labels.insert(place.labels.end(), place.own_labels.begin(), place.own_labels.end());
+  bool is_tied = false;
+  for (const std::string& label : std::exchange(place.own_labels, {})) {
+    const Binding* root = bound(roots_, place.labels, label);
+    if (!root) continue;
+    place.link = root->link;
+    is_tied = true;
+  }
+  for (const XmlElement& one : node.children()) {
+    if (one.name() == "node" || one.name().starts_with("instance_")) continue;
+    if (!is_step(one.name())) {
+      one.drop("it is of its writer's own");
+      continue;
+    }
+    const auto sid = one.attribute("sid");
+    const Binding* axis = sid ? bound(axes_, place.labels, *sid) : nullptr;
+    if (axis) {  // as at 0; the last is the nearest, where all joints above are written out
+      place.link = axis->link;
+      is_tied = true;
+    } else {
+      move(one, place.X_S);
+    }
+  }
+  const std::string name = node.attribute("name").value_or("");
+  if (!is_tied && links.X_RL.count(name) != 0 && bound_links_.count(name) == 0) {
+    place.link = name;
+    is_tied = true;
+  }
+  if (is_tied) X_SN_.emplace(place.link, place.X_S);
+  if (const auto id = node.attribute("id")) links_of_nodes_[*id] = place.link;
+  for (const XmlElement& one : node.children("instance_geometry")) {
+    instances_.push_back({one, place.link, place.X_S});
+  }
+  for (const char* other : {"instance_controller", "instance_camera", "instance_light"}) {
+    for (const XmlElement& one : node.children(other)) one.drop("only geometry is read of a node");
+  }
+  for (const XmlElement& one : node.children("node")) visit(one, place, depth + 1, links);
+  for (const XmlElement& one : node.children("instance_node")) {
+    const std::string url = one.attribute("url").value_or("");
+    one.attribute("name");
+    const auto target = referred(url);
+    if (!target) {
+      if (!url.starts_with("#")) {
+        one.drop("it is in another document");
+        continue;
+      }
+      one.fail("node '" + url + "' is not there", "Mend its url");
+    }
+    Place inside = place;
+    if (const auto sid = one.attribute("sid")) inside.own_labels.push_back(*sid);
+    visit(*target, inside, depth + 1, links);
+  }
+}
+
+void ColladaShapes::read_visuals(const ColladaLinks& links, RobotDescription& robot) {
+  read_bindings(links);
+  const auto scene = shown_scene();
+  if (!scene) return;
+  scene->attribute("name");
+  for (const XmlElement& node : scene->children("node")) visit(node, {}, 0, links);
+  // Where the root is in the scene, by the root's node or else by any other's.
+  auto anchor = X_SN_.find(links.root);
+  if (anchor == X_SN_.end()) anchor = X_SN_.begin();
+  Eigen::Affine3d X_SR = Eigen::Affine3d::Identity();
+  if (anchor != X_SN_.end()) {
+    X_SR = rigid(anchor->second) * links.X_RL.at(anchor->first).inverse();
+  }
+  for (const Instance& one : instances_) {
+    if (one.link.empty()) {
+      one.element.drop("its node is of no link");
+      continue;
+    }
+    const Eigen::Affine3d X_LG =
+        Eigen::Affine3d(links.X_RL.at(one.link).inverse()) * X_SR.inverse() * one.X_SG;
+    const std::vector<Shape> shapes = shapes_of(one.element, X_LG, one.link);
+    placed_[{one.link, one.element.attribute("url").value_or("")}].push_back(shapes);
+    for (const Shape& shape : shapes) {
+      for (LinkDescription& link : robot.links) {
+        if (link.name != one.link) continue;
+        if (geometry_of(one.element).is_seen) link.visuals.push_back(shape);
+        // As OpenRAVE has it: what is seen of a link is touched, too.
+        link.collisions.push_back(shape);
+      }
+    }
+  }
+}
+
+std::vector<Shape> ColladaShapes::read_body(const XmlElement& technique, const RigidTransform& X_LR,
+                                            const std::string& link) {
+  std::vector<Shape> shapes;
+  for (const XmlElement& element : technique.children("shape")) {
+    const RigidTransform X_LS = X_LR * collada_steps(element, length_);
+    for (const char* other : {"mass", "density", "hollow", "physics_material"}) {
+      if (const auto one = element.child(other)) one->drop("the body's own are read");
+    }
+    if (const auto instance = element.child("instance_geometry")) {
+      const auto seen = placed_.find({link, instance->attribute("url").value_or("")});
+      if (seen != placed_.end() && !seen->second.empty()) {
+        const std::vector<Shape>& its = seen->second.front();
+        shapes.insert(shapes.end(), its.begin(), its.end());
+        seen->second.erase(seen->second.begin());
+        continue;
+      }
+      for (Shape& one : shapes_of(*instance, X_LS, link)) shapes.push_back(std::move(one));
+      continue;
+    }
+    Shape shape;
+    shape.X_LS = X_LS;
+    if (const auto box = element.child("box")) {
+      const auto half = box->child("half_extents");
+      if (!half) box->fail("the box has no half_extents", "Give it");
+      const auto n = half->text_numbers(3);
+      shape.size = 2 * length_ * Eigen::Vector3d(n[0], n[1], n[2]);
+    } else if (const auto sphere = element.child("sphere")) {
+      const auto radius = sphere->child("radius");
+      if (!radius) sphere->fail("the sphere has no radius", "Give it");
+      shape.kind = Shape::Kind::kSphere;
+      shape.radius = length_ * radius->text_number();
+    } else if (element.child("cylinder") || element.child("capsule")) {
+      const bool is_cylinder = element.child("cylinder").has_value();
+      const XmlElement round = *element.child(is_cylinder ? "cylinder" : "capsule");
+      const auto radius = round.child("radius"), height = round.child("height");
+      if (!radius || !height) round.fail("it has no radius, or height", "Give both");
+      const auto radii = radius->text_numbers(0);
+      if (radii.empty()) radius->fail("it has no number", "Give one");
+      shape.kind = is_cylinder ? Shape::Kind::kCylinder : Shape::Kind::kCapsule;
+      shape.radius = length_ * *std::max_element(radii.begin(), radii.end());
+      shape.length = length_ * height->text_number();
+      // It stands along y there.
+      shape.X_LS.rotate(Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
+    } else {
+      element.drop("it is none of a mesh, box, sphere, cylinder, capsule");
+      continue;
+    }
+    shapes.push_back(std::move(shape));
+  }
+  return shapes;
+}
+
+std::vector<Shape> ColladaShapes::shapes_of(const XmlElement& instance, const Eigen::Affine3d& X_LG,
+                                            const std::string& link) {
+  Geometry& its = geometry_of(instance);
+  std::vector<Shape> shapes;
+  std::map<std::string, XmlElement> materials;  // by symbol
+  if (const auto bind = instance.child("bind_material")) {
+    if (const auto technique = bind->child("technique_common")) {
+      for (const XmlElement& one : technique->children("instance_material")) {
+        const auto material = referred(one.attribute("target").value_or(""));
+        if (material) {
+          materials.emplace(one.attribute("symbol").value_or(""), *material);
+        } else {
+          one.drop("its material is not there");
+        }
+      }
+    }
+  }
+  for (Part& part : its.parts) {
+    Shape shape;
+    shape.kind = Shape::Kind::kMesh;
+    shape.surface = part.surface;
+    if (part.name.empty()) part.name = fmt::format("{}_{}", link, counts_[link]++);
+    shape.mesh = part.name;
+    if (is_rigid(X_LG.linear())) {
+      shape.X_LS = rigid(X_LG);
+    } else {
+      TriangleMesh turned = *part.surface;
+      baked_points_ += turned.vertices.size();
+      if (baked_points_ > kMostBakedPoints) {
+        instance.fail("meshes that are scaled by their nodes have more than ten million points",
+                      "Scale fewer of them");
+      }
+      for (Eigen::Vector3d& p : turned.vertices) p = X_LG * p;
+      if (X_LG.linear().determinant() < 0) {
+        for (Eigen::Vector3i& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
+      }
+      shape.surface = std::make_shared<const TriangleMesh>(std::move(turned));
+      shape.mesh = fmt::format("{}_{}", link, counts_[link]++);
+    }
+    const auto material = materials.find(part.symbol);
+    if (material != materials.end()) {
+      shape.color = color(material->second);
+      shape.material = material->second.attribute("name").value_or(
+          material->second.attribute("id").value_or(""));
+    }
+    shapes.push_back(std::move(shape));
+  }
+  return shapes;
+}
+
+std::optional<std::array<double, 4>> ColladaShapes::color(const XmlElement& material) {
+  const auto instance = material.child("instance_effect");
+  const auto effect = instance ? referred(instance->attribute("url").value_or("")) : std::nullopt;
+  const auto profile = effect ? effect->child("profile_COMMON") : std::nullopt;
+  const auto technique = profile ? profile->child("technique") : std::nullopt;
+  if (!technique) return std::nullopt;
+  technique->attribute("sid");
+  const bool is_new = told_.insert("effect " + effect->attribute("id").value_or("")).second;
+  for (const char* kind : {"phong", "lambert", "blinn", "constant"}) {
+    const auto light = technique->child(kind);
+    if (!light) continue;
+    for (const XmlElement& one : light->children()) {
+      if (one.name() != "diffuse" && is_new) one.drop("how it is lit");
+    }
+    const auto diffuse = light->child("diffuse");
+    if (!diffuse) continue;
+    const auto given = diffuse->child("color");
+    if (!given) {
+      if (is_new) diffuse->drop("textures are not kept");
+      continue;
+    }
+    given->attribute("sid");
+    const auto n = given->text_numbers(0);
+    if (n.size() < 3) given->fail("a colour has three or four numbers", "Mend it");
+    const auto part = [&](std::size_t i) { return std::clamp(n[i], 0.0, 1.0); };
+    return {{part(0), part(1), part(2), n.size() > 3 ? part(3) : 1}};
+  }
+  return std::nullopt;
+}
+
+ColladaShapes::Geometry& ColladaShapes::geometry_of(const XmlElement& instance) {
+  const std::string url = instance.attribute("url").value_or("");
+  const auto known = geometries_.find(url);
+  if (known != geometries_.end()) return known->second;
+  const auto element = referred(url);
+  if (!element) {
+    if (!url.starts_with("#")) {
+      instance.drop("it is in another document");
+      return geometries_[url];
+    }
+    instance.fail("geometry '" + url + "' is not there", "Mend its url");
+  }
+  element->attribute("name");
+  Geometry result;
+  double length = length_;
+  if (const auto asset = element->child("asset")) {
+    if (const auto unit = asset->child("unit")) length = unit->number("meter").value_or(1);
+    if (!(length > 0)) asset->fail("a unit of no length", "Write metres");
+  }
+  const auto mesh = element->child("mesh"), convex = element->child("convex_mesh");
+  if (mesh) {
+    result.parts = read_mesh(*mesh, length);
+  } else if (convex && !convex->attribute("convex_hull_of")) {
+    result.parts = read_mesh(*convex, length);
+  } else if (convex) {
+    const auto other = referred(convex->attribute("convex_hull_of").value_or(""));
+    const auto of = other ? other->child("mesh") : std::nullopt;
+    if (!of) convex->fail("the mesh that it is the hull of is not there", "Mend convex_hull_of");
+    result.parts.push_back(
+        {"", std::make_shared<const TriangleMesh>(geometry::convex_hull(read_points(*of, length))),
+         ""});
+  } else {
+    element->drop("its geometry is no mesh");
+  }
+  for (const XmlElement& extra : element->children("extra")) {
+    const auto technique = extra.child("technique");
+    if (extra.attribute("type").value_or("") != "geometry_info" || !technique) {
+      extra.drop("it is of its writer's own");
+      continue;
+    }
+    technique->attribute("profile");
+    result.is_seen = bool_in(technique->child("visible"), true);
+    collada_steps(*technique, length);  // of the primitive
+    for (const char* primitive : {"half_extents", "radius", "height"}) {
+      if (const auto one = technique->child(primitive)) one->drop("the mesh itself is kept");
+    }
+  }
+  return geometries_.emplace(url, std::move(result)).first->second;
+}
+
+std::vector<Eigen::Vector3d> ColladaShapes::read_points(const XmlElement& mesh, double length) {
+  const auto vertices = mesh.child("vertices");
+  if (!vertices) mesh.fail("the mesh has no vertices", "Give them");
+  vertices->attribute("id");
+  for (const XmlElement& input : vertices->children("input")) {
+    const std::string source = input.attribute("source").value_or("");
+    if (input.attribute("semantic").value_or("") == "POSITION") {
+      return read_source(source, input, length);
+    }
+    input.drop("normals, colours and textures of points are not kept");
+    const auto unused = referred(source);
+    if (unused && told_.insert(source).second) {
+      unused->drop("normals, colours and textures of points are not kept");
+    }
+  }
+  vertices->fail("the vertices have no positions", "Give an input of semantic POSITION");
+}
+
+std::vector<Eigen::Vector3d> ColladaShapes::read_source(const std::string& url,
+                                                        const XmlElement& user, double length) {
+  const auto source = referred(url);
+  if (!source) user.fail("source '" + url + "' is not there", "Mend the name of its source");
+  const auto technique = source->child("technique_common");
+  const auto accessor = technique ? technique->child("accessor") : std::nullopt;
+  std::optional<XmlElement> array;
+  if (accessor) array = referred(accessor->attribute("source").value_or(""));
+  if (!accessor || !array || array->name() != "float_array") {
+    source->fail("the source has no accessor, or no numbers", "Give a float_array and an accessor");
+  }
+  const std::vector<double> numbers = array->text_numbers(0);
+  if (count_of(*array, "count", numbers.size()) != numbers.size()) {
+    // OpenRAVE's first writer counted points.
+    array->approximate("all of its numbers are read, which are not as many as its count says");
+  }
+  for (const char* digits : {"digits", "magnitude"}) array->attribute(digits);
+  const std::size_t count = count_of(*accessor, "count", 0);
+  const std::size_t stride = count_of(*accessor, "stride", 1);
+  const std::size_t offset = count_of(*accessor, "offset", 0);
+  for (const XmlElement& param : accessor->children("param")) {
+    param.attribute("name");
+    param.attribute("type");
+  }
+  if (stride < 3 || (count > 0 && offset + (count - 1) * stride + 3 > numbers.size())) {
+    accessor->fail(fmt::format("{} points of stride {} from {} are not in {} numbers", count,
+                               stride, offset, numbers.size()),
+                   "Mend count, stride or offset");
+  }
+  std::vector<Eigen::Vector3d> points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* first = numbers.data() + offset + i * stride;
+    points[i] = length * Eigen::Vector3d(first[0], first[1], first[2]);
+  }
+  return points;
+}
+
+void ColladaShapes::read_triangles(const XmlElement& primitive, std::size_t points,
+                                   std::vector<Eigen::Vector3i>& triangles) {
+  const std::string kind = primitive.name();
+  primitive.attribute("count");
+  primitive.attribute("name");
+  std::size_t stride = 0;
+  std::optional<std::size_t> offset;
+  for (const XmlElement& input : primitive.children("input")) {
+    const std::size_t its = count_of(input, "offset", 0);
+    constexpr std::size_t kMostInputs = 64;
+    if (its > kMostInputs) input.fail("the offset is larger than any", "Mend it");
+    stride = std::max(stride, its + 1);
+    input.attribute("set");
+    if (input.attribute("semantic").value_or("") == "VERTEX") {
+      input.attribute("source");
+      offset = its;
+      continue;
+    }
+    const std::string source = input.attribute("source").value_or("");
+    input.drop("normals, colours and textures of points are not kept");
+    const auto unused = referred(source);
+    if (unused && told_.insert(source).second) {
+      unused->drop("normals, colours and textures of points are not kept");
+    }
+  }
+  if (!offset) primitive.fail("<" + kind + "> has no input of semantic VERTEX", "Give one");
+  const auto corners_in = [&](const XmlElement& list) {
+    const std::vector<double> numbers = list.text_numbers(0);
+    if (numbers.size() % stride != 0) {
+      list.fail(fmt::format("{} indices are not in rows of {}", numbers.size(), stride), "Mend it");
+    }
+    std::vector<int> corners;
+    corners.reserve(numbers.size() / stride);
+    for (std::size_t i = *offset; i < numbers.size(); i += stride) {
+      const double index = numbers[i];
+      if (!(index >= 0 && index < static_cast<double>(points)) || index != std::floor(index)) {
+        list.fail(fmt::format("index {:g} is none of the {} points", index, points), "Mend it");
+      }
+      corners.push_back(static_cast<int>(index));
+    }
+    return corners;
+  };
+  const auto add_fan = [&](const int* corners, std::size_t count) {
+    for (std::size_t i = 2; i < count; ++i) {
+      triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
+    }
+  };
+  if (kind == "polylist") {
+    const auto list = primitive.child("p"), sizes = primitive.child("vcount");
+    if (!list || !sizes) return;
+    const std::vector<int> corners = corners_in(*list);
+    std::size_t first = 0;
+    for (const double size : sizes->text_numbers(0)) {
+      if (!(size >= 0) || size != std::floor(size) ||
+          size > static_cast<double>(corners.size() - first)) {
+        sizes->fail(fmt::format("a polygon of {:g} corners is not in <p>", size), "Mend vcount");
+      }
+      add_fan(corners.data() + first, static_cast<std::size_t>(size));
+      first += static_cast<std::size_t>(size);
+    }
+    return;
+  }
+  for (const XmlElement& list : primitive.children("p")) {
+    const std::vector<int> corners = corners_in(list);
+    if (kind == "triangles") {
+      if (corners.size() % 3 != 0) list.fail("a triangle lacks corners", "Mend it");
+      for (std::size_t i = 0; i < corners.size(); i += 3) add_fan(corners.data() + i, 3);
+    } else if (kind == "tristrips") {
+      for (std::size_t i = 2; i < corners.size(); ++i) {
+        const bool is_odd = i % 2 != 0;
+        triangles.emplace_back(corners[i - 2], corners[is_odd ? i : i - 1],
+                               corners[is_odd ? i - 1 : i]);
+      }
+    } else {
+      add_fan(corners.data(), corners.size());
+    }
+  }
+  for (const XmlElement& one : primitive.children("ph")) one.drop("polygons with holes");
+}
+
+std::vector<ColladaShapes::Part> ColladaShapes::read_mesh(const XmlElement& mesh, double length) {
+  const std::vector<Eigen::Vector3d> points = read_points(mesh, length);
+  std::vector<std::pair<std::string, std::vector<Eigen::Vector3i>>> by_symbol;
+  bool has_lists = false;
+  for (const XmlElement& one : mesh.children()) {
+    const std::string kind = one.name();
+    if (kind == "source" || kind == "vertices") continue;
+    if (kind != "triangles" && kind != "polylist" && kind != "polygons" && kind != "trifans" &&
+        kind != "tristrips") {
+      one.drop("it has no surface");
+      continue;
+    }
+    has_lists = true;
+    const std::string symbol = one.attribute("material").value_or("");
+    auto found = std::find_if(by_symbol.begin(), by_symbol.end(),
+                              [&](const auto& its) { return its.first == symbol; });
+    if (found == by_symbol.end()) found = by_symbol.insert(by_symbol.end(), {symbol, {}});
+    read_triangles(one, points.size(), found->second);
+  }
+  std::vector<Part> parts;
+  for (const auto& [symbol, triangles] : by_symbol) {
+    TriangleMesh surface = without_doubles(points, triangles);
+    if (surface.triangles.empty()) continue;
+    parts.push_back({symbol, std::make_shared<const TriangleMesh>(std::move(surface)), ""});
+  }
+  if (!has_lists && points.size() > 3) {
+    parts.push_back({"", std::make_shared<const TriangleMesh>(geometry::convex_hull(points)), ""});
+  }
+  return parts;
+}
+
+}  // namespace prehend::robot::formats

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/robot_format.h"
+
+namespace prehend::robot::formats {
+
+/// Tests of robots' files, in a folder that goes with them.
+class RobotFiles : public testing::Test {
+ protected:
+  RobotFiles() { std::filesystem::create_directories(folder_); }
+  ~RobotFiles() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path file(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  RobotDescription read(const std::string& name, const std::string& text) {
+    loss_ = {};
+    return read_robot(file(name, text), loss_);
+  }
+  std::string error_of(const std::string& name, const std::string& text) {
+    try {
+      read(name, text);
+    } catch (const geometry::InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+  /// A file of the models that are not of this repository; empty: they are not there.
+  static std::filesystem::path shared_model(const std::string& name) {
+    const char* shared = std::getenv("PREHEND_SHARED_DATA");
+    const std::filesystem::path path =
+        shared ? std::filesystem::path(shared) / "models" / name : std::filesystem::path();
+    return std::filesystem::exists(path) ? path : std::filesystem::path();
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("prehend_files_" + std::to_string(::getpid()));
+  LossReport loss_;
+};
+
+}  // namespace prehend::robot::formats
