@@ -12,6 +12,7 @@
 #include "prehend/robot/formats/model_check.h"
 #include "prehend/robot/formats/robot_format.h"
 #include "prehend/robot/formats/shape_mesh.h"
+#include "prehend/robot/formats/srdf.h"
 #include "tools/robot_model/choices.h"
 
 namespace {
@@ -29,6 +30,20 @@ void write_file(const fs::path& file, const std::string& text) {
   fs::rename(partial, file);
 }
 
+/// The SRDF that goes beside a URDF, whose description it is taken out of; empty: there is none.
+std::string srdf_of(const RobotFormat& format, RobotDescription& robot, LossReport& loss) {
+  if (format.name() != "urdf" || !needs_srdf(robot)) return {};
+  std::string text = write_srdf(robot, loss);
+  take_out_srdf(robot);
+  return text;
+}
+
+void write_beside(const fs::path& file, const std::string& srdf) {
+  if (srdf.empty()) return;
+  write_file(srdf_beside(file), srdf);
+  fmt::print("{}: what the URDF cannot say\n", srdf_beside(file).string());
+}
+
 int convert(const ModelChoices& choices) {
   LossReport loss;
   const RobotFormat& format =
@@ -39,6 +54,7 @@ int convert(const ModelChoices& choices) {
   const auto meshes = take_out_meshes(robot, from, fs::path(choices.second).stem().string(), loss,
                                       format.taken_meshes());
   move_meshes(robot, from, to);
+  const std::string srdf = srdf_of(format, robot, loss);
   const std::string text = format.write(robot, loss);
   fmt::print("{}", loss.text());
   if (choices.strict && !loss.lossless()) {
@@ -50,6 +66,7 @@ int convert(const ModelChoices& choices) {
   }
   write_meshes(meshes, to);
   write_file(choices.second, text);
+  write_beside(choices.second, srdf);
   return 0;
 }
 
@@ -69,7 +86,9 @@ int check(const ModelChoices& choices) {
                                  format.taken_meshes()),
                  to);
     move_meshes(moved, from, to);
+    const std::string srdf = srdf_of(format, moved, written);
     write_file(choices.mended, format.write(moved, written));
+    write_beside(choices.mended, srdf);
     fmt::print("{}", written.text());
   }
   const auto findings = check_model(robot, fs::absolute(choices.first).parent_path());

@@ -82,6 +82,7 @@ void fields(Visitor& v, Part<Visitor, JointDescription>& joint) {
   v.field("rest", joint.rest, 0.0);
   v.field("follows", joint.follows);
   v.field("break_away", joint.break_away);
+  v.field("passive", joint.passive, false);
   if constexpr (Visitor::kReads) {
     const double length = joint.axis_J.norm();
     constexpr double kRounded = 1e-9;
@@ -121,6 +122,22 @@ void fields(Visitor& v, Part<Visitor, Sensor>& sensor) {
 }
 
 template <class Visitor>
+void fields(Visitor& v, Part<Visitor, Manipulator>& manipulator) {
+  v.field("name", manipulator.name);
+  v.field("base", manipulator.base);
+  v.field("tip", manipulator.tip);
+  v.field("tool", manipulator.X_TipTool, kIdentity);
+  v.list("closing", manipulator.closing);
+}
+
+template <class Visitor>
+void fields(Visitor& v, Part<Visitor, Posture>& posture) {
+  v.field("name", posture.name);
+  v.field("group", posture.group, std::string());
+  v.field("positions", posture.positions);
+}
+
+template <class Visitor>
 void fields(Visitor& v, Part<Visitor, RobotDescription>& robot) {
   v.field("name", robot.name);
   v.list("links", robot.links);
@@ -128,6 +145,8 @@ void fields(Visitor& v, Part<Visitor, RobotDescription>& robot) {
   v.list("loops", robot.loops);
   v.list("actuators", robot.actuators);
   v.list("sensors", robot.sensors);
+  v.list("manipulators", robot.manipulators);
+  v.list("postures", robot.postures);
   v.list("disabled_collisions", robot.disabled_collisions);
 }
 

@@ -44,6 +44,12 @@ class MjcfWriter {
                         has_no_mass_ ? " boundmass=\"1e-9\" boundinertia=\"1e-12\"" : "");
     if (!assets_.empty()) text += "  <asset>\n" + assets_ + "  </asset>\n";
     text += "  <worldbody>\n" + bodies + "  </worldbody>\n";
+    for (const Manipulator& one : robot_.manipulators) {
+      loss_.drop("manipulator '" + one.name + "'", "manipulator", "MJCF has no manipulators");
+    }
+    for (const Posture& one : robot_.postures) {
+      loss_.drop("posture '" + one.name + "'", "posture", "MJCF has them for all joints only");
+    }
     section(text, "equality", equalities());
     section(text, "contact", exclusions());
     section(text, "actuator", actuators());

@@ -336,8 +336,10 @@ class OpenRaveReader {
     }
     read_mimic(element, prefix, joint);
     const bool is_passive = element.attribute("enable").value_or("true") == "false";
+    joint.passive = is_passive;
     if (is_passive && joint.lower && joint.upper && *joint.lower == 0 && *joint.upper == 0) {
       joint.kind = Kind::kFixed;
+      joint.passive = false;
       joint.lower.reset();
       joint.upper.reset();
     }

@@ -68,6 +68,7 @@ struct JointDescription {
   std::optional<Follows> follows;
   /// Of a joint that follows by a clutch: torque at which it stays behind [N m], as BarrettHand's.
   std::optional<double> break_away;
+  bool passive = false;  // no motor moves it
 };
 
 /// Two links that are held together besides the tree: a closed loop.
@@ -99,6 +100,12 @@ struct Manipulator {
   std::vector<std::pair<std::string, double>> closing;
 };
 
+/// Positions of a group's joints that have a name, as "open".
+struct Posture {
+  std::string name, group;
+  std::map<std::string, double> positions;  // rad or m, by joint
+};
+
 struct RobotDescription {
   std::string name;
   std::vector<LinkDescription> links;
@@ -107,6 +114,7 @@ struct RobotDescription {
   std::vector<Actuator> actuators;
   std::vector<Sensor> sensors;
   std::vector<Manipulator> manipulators;
+  std::vector<Posture> postures;
   std::vector<std::pair<std::string, std::string>> disabled_collisions;  // links
 
   const LinkDescription* link(const std::string& link_name) const;

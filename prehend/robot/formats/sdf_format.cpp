@@ -319,6 +319,12 @@ class SdfWriter {
     for (const Actuator& actuator : robot_.actuators) {
       loss_.drop("actuator '" + actuator.name + "'", "actuator", "SDF has none but by plugins");
     }
+    for (const Posture& one : robot_.postures) {
+      loss_.drop("posture '" + one.name + "'", "posture", "SDF has no postures");
+    }
+    for (const JointDescription& joint : robot_.joints) {
+      if (joint.passive) loss_.drop("joint '" + joint.name + "'", "passive joint", "SDF has none");
+    }
     for (const Manipulator& one : robot_.manipulators) {
       loss_.drop("manipulator '" + one.name + "'", "manipulator", "SDF has no manipulators");
     }

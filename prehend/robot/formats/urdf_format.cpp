@@ -8,6 +8,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/format_makers.h"
+#include "prehend/robot/formats/srdf.h"
 #include "prehend/robot/formats/tracked_xml.h"
 #include "prehend/robot/formats/xml_text.h"
 
@@ -214,6 +215,14 @@ class UrdfWriter {
     for (const Sensor& sensor : robot_.sensors) {
       loss_.drop("sensor '" + sensor.name + "'", "sensor (" + sensor.kind + ")",
                  "URDF has no sensors");
+    }
+    for (const Posture& one : robot_.postures) {
+      loss_.drop("posture '" + one.name + "'", "posture", "URDF has no postures; SRDF has");
+    }
+    for (const JointDescription& joint : robot_.joints) {
+      if (joint.passive) {
+        loss_.drop("joint '" + joint.name + "'", "passive joint", "it is an SRDF's");
+      }
     }
     for (const Manipulator& one : robot_.manipulators) {
       loss_.drop("manipulator '" + one.name + "'", "manipulator",
@@ -438,6 +447,12 @@ class Urdf : public RobotFormat {
     }
     document.finish();
     tree_order(robot);
+    // What a URDF cannot say stands beside it, by the same name.
+    const std::filesystem::path beside = srdf_beside(file);
+    std::error_code error;
+    if (beside != file && std::filesystem::is_regular_file(beside, error)) {
+      read_srdf(beside, robot, loss);
+    }
     return robot;
   }
   bool can_write() const override { return true; }

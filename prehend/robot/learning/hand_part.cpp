@@ -283,7 +283,8 @@ class Cutter {
             0.5);
       }
       complete_limits(joint);
-      if (!joint.follows && !driven.empty() && driven.count(joint.name) == 0) {
+      const bool is_driven = driven.empty() || driven.count(joint.name) != 0;
+      if (!joint.follows && (joint.passive || !is_driven)) {
         follow_above(joint);
       }
     }

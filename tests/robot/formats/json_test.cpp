@@ -81,7 +81,7 @@ bool same(const JointDescription& a, const JointDescription& b) {
          (!a.follows ||
           (a.follows->joint == b.follows->joint && a.follows->multiplier == b.follows->multiplier &&
            a.follows->offset == b.follows->offset)) &&
-         a.break_away == b.break_away;
+         a.break_away == b.break_away && a.passive == b.passive;
 }
 
 bool same(const Loop& a, const Loop& b) {
@@ -99,6 +99,15 @@ bool same(const Sensor& a, const Sensor& b) {
          a.size == b.size;
 }
 
+bool same(const Manipulator& a, const Manipulator& b) {
+  return a.name == b.name && a.base == b.base && a.tip == b.tip && same(a.X_TipTool, b.X_TipTool) &&
+         a.closing == b.closing;
+}
+
+bool same(const Posture& a, const Posture& b) {
+  return a.name == b.name && a.group == b.group && a.positions == b.positions;
+}
+
 void expect_same(const RobotDescription& a, const RobotDescription& b, const std::string& of) {
   const auto all = [&](const auto& ones, const auto& others, const char* what) {
     ASSERT_EQ(ones.size(), others.size()) << of << ": " << what;
@@ -112,6 +121,8 @@ void expect_same(const RobotDescription& a, const RobotDescription& b, const std
   all(a.loops, b.loops, "loop");
   all(a.actuators, b.actuators, "actuator");
   all(a.sensors, b.sensors, "sensor");
+  all(a.manipulators, b.manipulators, "manipulator");
+  all(a.postures, b.postures, "posture");
   EXPECT_EQ(a.disabled_collisions, b.disabled_collisions) << of;
 }
 
@@ -172,6 +183,7 @@ RobotDescription full_robot() {
     joint.rest = number(random);
     if (i == 1) joint.follows = Follows{"joint 0", number(random), number(random)};
     if (i == 1) joint.break_away = number(random);
+    joint.passive = i == 0;
     robot.joints.push_back(joint);
   }
   robot.loops = {{"loop", Loop::Kind::kPoint, "base", "tip", pose()},
@@ -179,6 +191,8 @@ RobotDescription full_robot() {
   robot.actuators = {{"motor", "joint 0", number(random), number(random), "effort"},
                      {"other", "joint 1", 1, std::nullopt, ""}};
   robot.sensors = {{"cell", "touch", "tip", pose(), vector()}};
+  robot.manipulators = {{"arm", "base", "tip", pose(), {{"joint 0", -1}, {"joint 1", 0}}}};
+  robot.postures = {{"open", "arm", {{"joint 0", number(random)}, {"joint 1", 0}}}};
   robot.disabled_collisions = {{"base", "tip"}};
   return robot;
 }
