@@ -55,8 +55,8 @@ std::string mistyped(const CLI::App& app, const std::vector<std::string>& words)
       is_value = option && equals == std::string::npos && option->get_items_expected_min() > 0;
       continue;
     }
-    if (at->get_require_subcommand_min() == 0) continue;
     const CLI::App* command = command_of(*at, word);
+    if (!command && at->get_require_subcommand_min() == 0) continue;
     if (!command) return no_such_command(*at, path, word);
     at = command;
     path += " " + word;

@@ -81,6 +81,35 @@ TEST_F(Plan, TakesAPlatformOfOnesOwnByItsFile) {
 }
 
 // "config/robots/pg70_dsa.yaml does not exist", anywhere but in the source tree.
+TEST_F(Plan, TakesAHandThatWasLearnedFromAFile) {
+  const auto learn = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"hand", "learn"});
+    ChildProgram program("prehend", words, folder_.path("learned"));
+    exit_code_ = program.wait(std::chrono::seconds(60)).value_or(-1);
+    return program.output();
+  };
+  const std::string hand = folder_.path("mine.yaml");
+  std::string output = learn(
+      {"config/robots/barrett_bh8.urdf", "--out", hand, "--on", "config/robots/pa10_barrett.yaml"});
+  ASSERT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("palm"), HasSubstr("preshapes:"), HasSubstr("3 fingers")));
+  output = run({box({0.05, 0.06, 0.1}), "--hand", hand});
+  EXPECT_EQ(exit_code_, 0) << output;
+  output = run({box({0.05, 0.06, 0.1}), "--platform", folder_.path("mine_on_pa10_barrett.yaml")});
+  EXPECT_EQ(exit_code_, 0) << output;
+
+  // What a person may have corrected is not written over.
+  EXPECT_THAT(learn({"config/robots/barrett_bh8.urdf", "--out", hand}), HasSubstr("--overwrite"));
+  EXPECT_EQ(exit_code_, 1);
+  learn({"config/robots/barrett_bh8.urdf", "--out", hand, "--overwrite"});
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(learn({"config/robots/barrett_bh8.urdf", "--out", folder_.path("mine.txt")}),
+              HasSubstr("NAME.yaml"));
+  EXPECT_THAT(learn({"config/robots/barrett_bh8.urdf", "--oot", hand}),
+              HasSubstr("prehend hand learn has no option \"--oot\"; did you mean \"--out\"?"));
+  EXPECT_EQ(exit_code_, 2);
+}
+
 TEST_F(Plan, WorksFromAnyFolder) {
   const std::string file = box({0.04, 0.05, 0.1});
   const auto before = std::filesystem::current_path();
@@ -269,7 +298,7 @@ TEST_F(Plan, NamesWhatIsWrong) {
               AllOf(HasSubstr("no platform"), HasSubstr("nearest is 'kr5_sdh'")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--hand", "gripper"}),
-              AllOf(HasSubstr("no hand"), HasSubstr("ball_probe, bh8, pg70, sdh2")));
+              AllOf(HasSubstr("no hand"), HasSubstr("bh8, franka_hand, pg70, robotiq_2f85, sdh2")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--generators", "antipodel"}), HasSubstr("antipodal"));
   EXPECT_EQ(exit_code_, 1);
