@@ -28,6 +28,14 @@ using geometry::InputError;
 
 constexpr const char* kMend = "Convert it to STL, OBJ, PLY or COLLADA";
 
+/// Coin's, from the first file on until the program ends.
+struct CoinDatabase {
+  CoinDatabase() { SoDB::init(); }
+  ~CoinDatabase() { SoDB::finish(); }
+  CoinDatabase(const CoinDatabase&) = delete;
+  CoinDatabase& operator=(const CoinDatabase&) = delete;
+};
+
 void collect_error(const SoError* error, void* words) {
   auto& text = *static_cast<std::string*>(words);
   if (text.size() < 300)
@@ -87,11 +95,7 @@ geometry::TriangleMesh read_inventor_mesh(const std::filesystem::path& file) {
 
   static std::mutex one_at_a_time;  // Coin's data base is one for all
   const std::lock_guard lock(one_at_a_time);
-  static const bool initialised = [] {
-    SoDB::init();
-    return true;
-  }();
-  (void)initialised;
+  static const CoinDatabase database;
   std::string complaints;
   SoErrorCB* const handler = SoError::getHandlerCallback();
   void* const handler_data = SoError::getHandlerData();
