@@ -109,7 +109,8 @@ TEST_F(Mjcf, MeshesClosedLoopsAndSensorsStay) {
 
 TEST_F(Mjcf, RobotsOfOthersAreTheSameOnceMore) {
   const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  if (shared == nullptr) GTEST_SKIP() << "set PREHEND_SHARED_DATA to test robots of others";
+  if (shared == nullptr || *shared == '\0')
+    GTEST_SKIP() << "set PREHEND_SHARED_DATA to test robots of others";
   const fs::path models = fs::path(shared) / "models";
   for (const char* file :
        {"urdf/allegro_hand_description/allegro_hand_description_right.urdf",

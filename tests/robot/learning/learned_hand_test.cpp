@@ -283,7 +283,8 @@ TEST_F(LearnHand, StandsOnAnArmWithItsApproachAlongTheFlange) {
 // Each of them, or a reason: what planners and converters of others stumble on.
 TEST_F(LearnHand, HandsOfAllFormats) {
   const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  if (shared == nullptr) GTEST_SKIP() << "set PREHEND_SHARED_DATA to test hands of others";
+  if (shared == nullptr || *shared == '\0')
+    GTEST_SKIP() << "set PREHEND_SHARED_DATA to test hands of others";
   const fs::path models = fs::path(shared) / "models";
   struct Known {
     const char* file;
