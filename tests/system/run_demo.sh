@@ -14,7 +14,7 @@ import socket, sys, time
 open(sys.argv[0] + ".said", "w").write(" ".join(sys.argv[1:]))
 if "view:=true" in sys.argv:
     listener = socket.create_server(("127.0.0.1", 8765))
-    time.sleep(1)
+    time.sleep(3)
 sys.exit(3)
 PROGRAM
 cat > "$folder/xdg-open" <<'PROGRAM'
@@ -39,9 +39,12 @@ rm "$folder/opened"
 run env -u DISPLAY -u WAYLAND_DISPLAY scripts/run-demo.sh "$folder/prehend" "$folder/out"
 [ ! -e "$folder/opened" ] || fail "a browser was opened without a desktop"
 
-python3 -c 'import socket, time; s = socket.create_server(("127.0.0.1", 8765)); time.sleep(3)' &
+python3 -c 'import socket, time; s = socket.create_server(("127.0.0.1", 8765)); time.sleep(60)' &
 other=$!
-sleep 0.5
+for _ in $(seq 100); do
+  if (exec 3<>/dev/tcp/127.0.0.1/8765) 2>/dev/null; then break; fi
+  sleep 0.1
+done
 run env DISPLAY=:0 scripts/run-demo.sh "$folder/prehend" "$folder/out"
 kill "$other"
 wait "$other" 2>/dev/null || true

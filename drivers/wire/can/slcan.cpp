@@ -110,7 +110,9 @@ void Slcan::take_lines() {
 }
 
 std::optional<CanInput> Slcan::receive(std::chrono::nanoseconds timeout) {
-  if (inputs_.empty()) {
+  // A line may come in pieces, and an answer to a command is no frame: both are read on from.
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (inputs_.empty()) {
     std::array<std::uint8_t, 512> buffer;
     const IoResult result = stream_->read(buffer, timeout);
     if (result.status == IoStatus::kClosed) {
@@ -118,6 +120,8 @@ std::optional<CanInput> Slcan::receive(std::chrono::nanoseconds timeout) {
     }
     partial_.append(reinterpret_cast<const char*>(buffer.data()), result.count);
     take_lines();
+    timeout = deadline - std::chrono::steady_clock::now();
+    if (timeout <= timeout.zero()) break;
   }
   if (inputs_.empty()) return std::nullopt;
   CanInput input = std::move(inputs_.front());

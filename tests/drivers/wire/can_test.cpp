@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <random>
+#include <thread>
 
 #include "drivers/wire/can/can_bus.h"
 #include "drivers/wire/can/can_interface.h"
@@ -91,6 +92,20 @@ TEST(SlcanBus, CarriesFramesOverASerialLineAndFilters) {
   const auto all = open_can_bus("slcan:" + line, 500000, {});
   check_frames(*all, device, 500);
   check_frames(device, *all, 500);
+}
+
+TEST(SlcanBus, WaitsOnBehindAnswersAndPieces) {
+  PseudoTerminal adapter;
+  const auto bus = open_can_bus("slcan:" + adapter.name(), 0, {});
+  std::jthread pieces([&] {
+    for (const std::string piece : {"\r\rz\r", "t70", "11AB", "\r"}) {
+      std::this_thread::sleep_for(5ms);
+      adapter.write({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}, 1s);
+    }
+  });
+  const auto input = bus->receive(5s);
+  ASSERT_TRUE(input);
+  EXPECT_EQ(std::get<CanFrame>(*input), (CanFrame{.identifier = 0x701, .size = 1, .data = {0xAB}}));
 }
 
 TEST(SlcanBus, OpensTheAdapterAndTellsWhenItIsGone) {
