@@ -18,6 +18,7 @@ void add_model_command(CLI::App& app) {
       "Examples:\n"
       "  prehend model convert hand.sdf hand.urdf\n"
       "  prehend model convert HumanHand20DOF.xml hand.urdf --strict\n"
+      "  prehend model show hand.xml --out hand.html\n"
       "  prehend model check robot.urdf --fix mended.urdf\n"
       "  prehend model diff robot.urdf robot.sdf");
   for (CLI::App* one : command->get_subcommands({})) {

@@ -31,8 +31,4 @@ struct Film {
 /// number of captions or poses than frames, an opacity out of range, or what is not finite.
 std::string film_json(const Film& film);
 
-/// The program that draws films in a page, web/dist/report.js of prehend's tree.
-/// @throws geometry::InputError when it is not there.
-std::string film_program();
-
 }  // namespace prehend::report

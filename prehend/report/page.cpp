@@ -5,8 +5,10 @@
 
 #include "prehend/report/base64.h"
 #include "prehend/report/escaped.h"
+#include "prehend/report/figure_data.h"
 #include "prehend/report/film.h"
 #include "prehend/report/pictures.h"
+#include "prehend/report/robot_figure.h"
 
 namespace prehend::report {
 namespace {
@@ -17,14 +19,25 @@ h1{font-size:24px}h2{font-size:18px;margin-top:32px;border-bottom:1px solid #ccc
 figure{display:inline-block;margin:6px 10px 6px 0;vertical-align:top}
 figure img{max-width:342px;border:1px solid #ddd;image-rendering:auto}
 figcaption{font-size:13px;color:#555;max-width:342px}
-table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left}
+table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left;overflow-wrap:anywhere;min-width:52px}
 th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:bold}
 .good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
 .answer{background:#fdf3d3;color:#6b4e00}
 .chart svg{max-width:100%;height:auto}
-.scene{display:block;margin:8px 0}.scene canvas{display:block;border:1px solid #ddd;touch-action:none}
-.scene div{display:flex;flex-wrap:wrap;gap:6px 14px;align-items:center;margin:6px 0}
-.scene input[type=range]{flex:1 1 240px}.scene output{min-width:170px;font-size:13px}.scene figcaption{max-width:none}
+.scene,.robot{display:block;margin:8px 0}
+.scene canvas,.robot canvas{display:block;border:1px solid #ddd;touch-action:none}
+.scene div,.robot .view>div{display:flex;flex-wrap:wrap;gap:6px 14px;align-items:center;margin:6px 0}
+.scene input[type=range]{flex:1 1 240px}.scene output{min-width:170px;font-size:13px}.scene figcaption,.robot figcaption{max-width:none}
+.robot{display:grid;grid-template-columns:minmax(320px,1fr) minmax(320px,1fr);gap:6px 16px}
+.robot .view,.robot .tree{min-width:0}.robot figcaption{grid-column:1/-1}.robot output{font-size:13px}
+.robot .tree{max-height:560px;overflow:auto;border:1px solid #ddd;padding:6px 8px;font-size:13px}
+.robot .tree details>details,.robot .tree details>div{margin-left:7px;border-left:1px solid #ddd;padding-left:5px}
+.robot summary{cursor:pointer}.robot .tree button{font:inherit;border:0;background:none;padding:1px 4px;cursor:pointer}
+.robot .tree button.marked{background:#f7dcc0}
+.robot summary,.robot .tree div{white-space:nowrap}
+.robot .joint{display:inline-flex;gap:6px;align-items:center;color:#555;cursor:default}
+.robot .joint input{width:96px;margin:0}.robot .joint output{min-width:56px;color:#222}
+@media(max-width:760px){.robot{grid-template-columns:1fr}}
 .columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:24px}
 )";
 
@@ -70,9 +83,16 @@ void Page::add_charts(const std::vector<std::string>& svgs, const std::string& c
 }
 
 void Page::add_film(const Film& film, const std::string& caption) {
-  const std::string json = film_json(film);
-  if (film_program_.empty()) film_program_ = film_program();
-  body_ += "<figure class=\"scene\"><script type=\"application/json\">" + json +
+  add_figure("scene", film_json(film), caption);
+}
+
+void Page::add_robot(const RobotFigure& robot, const std::string& caption) {
+  add_figure("robot", robot_figure_json(robot), caption);
+}
+
+void Page::add_figure(const char* kind, const std::string& json, const std::string& caption) {
+  if (figure_program_.empty()) figure_program_ = figure_program();
+  body_ += std::string("<figure class=\"") + kind + "\"><script type=\"application/json\">" + json +
            "</script><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
 }
 
@@ -98,7 +118,7 @@ void Page::add_columns(const Page& left, const Page& right) {
   body_ += "<div class=\"columns\"><div>\n" + left.body_ + "</div><div>\n" + right.body_ +
            "</div></div>\n";
   for (const Page* page : {&left, &right}) {
-    if (film_program_.empty()) film_program_ = page->film_program_;
+    if (figure_program_.empty()) figure_program_ = page->figure_program_;
   }
 }
 
@@ -106,7 +126,8 @@ std::string Page::html() const {
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          escaped(title_) + "</title><style>" + kStyle + "</style></head>\n<body><h1>" +
          escaped(title_) + "</h1>\n" + body_ +
-         (film_program_.empty() ? "" : "<script type=\"module\">" + film_program_ + "</script>\n") +
+         (figure_program_.empty() ? ""
+                                  : "<script type=\"module\">" + figure_program_ + "</script>\n") +
          "</body></html>\n";
 }
 

@@ -9,6 +9,7 @@
 namespace prehend::report {
 
 struct Film;
+struct RobotFigure;
 
 /// A self-contained HTML page: pictures and charts are inside the file.
 class Page {
@@ -29,8 +30,11 @@ class Page {
   /// The same of several, side by side where there is room, with one caption.
   void add_charts(const std::vector<std::string>& svgs, const std::string& caption);
   /// Bodies to be turned by pointer and touch, and played; a browser needs WebGL for it.
-  /// @throws as film_json() and film_program().
+  /// @throws as film_json() and figure_program().
   void add_film(const Film& film, const std::string& caption);
+  /// A robot whose joints move by sliders; the same holds. @throws as robot_figure_json() and
+  /// figure_program().
+  void add_robot(const RobotFigure& robot, const std::string& caption);
   /// `rows` have as many cells as `header`.
   void add_table(const std::vector<std::string>& header,
                  const std::vector<std::vector<std::string>>& rows);
@@ -43,9 +47,11 @@ class Page {
   void write(const std::filesystem::path& file) const;
 
  private:
+  void add_figure(const char* kind, const std::string& json, const std::string& caption);
+
   std::string title_;
   std::string body_;
-  std::string film_program_;  // once for all films
+  std::string figure_program_;  // once for all figures
 };
 
 }  // namespace prehend::report

@@ -11,6 +11,7 @@
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
+#include "prehend/report/robot_figure.h"
 #include "prehend/report/section.h"
 
 namespace prehend::report {
@@ -170,6 +171,47 @@ TEST(Film, SaysBodiesAndPosesAndEndsNoScript) {
   EXPECT_EQ(letters("vertices"), 128u);
   EXPECT_EQ(letters("triangles"), 192u);
   EXPECT_EQ(letters("poses"), 76u);
+}
+
+TEST(RobotFigure, SaysWhatMovesWhatAndEndsNoScript) {
+  RobotFigure figure;
+  figure.links = {{"palm </script>", ""}, {"finger", ""}};
+  RobotFigure::Joint joint;
+  joint.kind = RobotFigure::Joint::Kind::kRevolute;
+  joint.child = 1;
+  joint.upper = 1.5;
+  figure.joints = {joint};
+  figure.meshes = {geometry::make_box({0.1, 0.1, 0.2})};
+  figure.shapes = {{.link = 1, .mesh = 0, .layer = "seen", .color = {40, 110, 190}}};
+  figure.postures = {{"open", {{0, 0.5}}}};
+  const std::string json = robot_figure_json(figure);
+  EXPECT_EQ(json.find('<'), std::string::npos);
+  EXPECT_THAT(json,
+              HasSubstr(R"("kind":"revolute","parent":0,"child":1,"pose":[0.0,0.0,0.0,1.0,)"));
+  EXPECT_THAT(json, HasSubstr(R"("lower":null,"upper":1.5)"));
+  EXPECT_THAT(json, HasSubstr(R"("layer":"seen","color":"#286ebe")"));
+
+  const auto refused = [&](auto change) {
+    RobotFigure changed = figure;
+    change(changed);
+    try {
+      robot_figure_json(changed);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_THAT(refused([](auto& f) { f.links.clear(); }), HasSubstr("there must be links"));
+  EXPECT_THAT(refused([](auto& f) { f.joints[0].child = 2; }), HasSubstr("no such link"));
+  EXPECT_THAT(refused([](auto& f) { f.joints.push_back(f.joints[0]); }), HasSubstr("two joints"));
+  EXPECT_THAT(refused([](auto& f) { f.joints[0].parent = 1; }), HasSubstr("hangs on itself"));
+  EXPECT_THAT(refused([](auto& f) { f.joints[0].leader = 1; }), HasSubstr("no leader"));
+  EXPECT_THAT(refused([](auto& f) { f.joints[0].upper = NAN; }), HasSubstr("not finite"));
+  EXPECT_THAT(refused([](auto& f) { f.shapes[0].mesh = 1; }), HasSubstr("no link or mesh"));
+  EXPECT_THAT(refused([](auto& f) { f.meshes[0].triangles[0].x() = 99; }),
+              HasSubstr("no such corner"));
+  EXPECT_THAT(refused([](auto& f) { f.postures[0].positions[0].first = 1; }),
+              HasSubstr("posture 'open'"));
 }
 
 TEST(Film, IsRefusedWhereItCannotBePlayed) {

@@ -31,6 +31,12 @@ void add_model_options(CLI::App& app, ModelChoices& choices) {
                                 "couplings, meshes. Exit code 3: there are errors");
   check->add_option("file", choices.first, "a robot's file of any format that is read")->required();
   check->add_option("--fix", choices.mended, "write it, with what has one safe mend mended");
+  CLI::App* show = add_command(
+      app, choices, "show",
+      "Write a page to look at a robot: its picture with a slider for each joint, shapes, boxes of "
+      "inertia, sensors, what is wrong, and tables of all that its file says");
+  show->add_option("file", choices.first, "a robot's file of any format that is read")->required();
+  show->add_option("--out", choices.page, "the page; without it the file's name with .html, here");
   CLI::App* diff = add_command(
       app, choices, "diff",
       "Compare two robots by what they do, whatever their formats: where their links are at random "

@@ -8,8 +8,8 @@ namespace prehend::tools {
 
 /// Options of `prehend model` and of the program that it becomes.
 struct ModelChoices {
-  std::string command;  // convert, check, diff, formats
-  std::string first, second, format, mended;
+  std::string command;  // convert, check, show, diff, formats
+  std::string first, second, format, mended, page;
   bool strict = false;
   int samples = 1000;
 };

@@ -14,6 +14,7 @@
 #include "prehend/robot/formats/shape_mesh.h"
 #include "prehend/robot/formats/srdf.h"
 #include "tools/robot_model/choices.h"
+#include "tools/robot_model/model_page.h"
 
 namespace {
 
@@ -113,6 +114,17 @@ int check(const ModelChoices& choices) {
   return errors > 0 ? 3 : 0;
 }
 
+int show(const ModelChoices& choices) {
+  LossReport loss;
+  const RobotDescription robot = read_robot(choices.first, loss);
+  const fs::path page = choices.page.empty()
+                            ? fs::path(fs::path(choices.first).stem().string() + ".html")
+                            : fs::path(choices.page);
+  prehend::tools::model_page(robot, loss, fs::absolute(choices.first).parent_path()).write(page);
+  fmt::print("{}: open it in a browser\n", page.string());
+  return 0;
+}
+
 int diff(const ModelChoices& choices) {
   LossReport first_loss, second_loss;
   const RobotDescription first = read_robot(choices.first, first_loss);
@@ -148,6 +160,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (choices.command == "convert") return convert(choices);
     if (choices.command == "check") return check(choices);
+    if (choices.command == "show") return show(choices);
     if (choices.command == "diff") return diff(choices);
     return list_formats();
   } catch (const CLI::ParseError& error) {

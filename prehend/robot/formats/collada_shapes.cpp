@@ -67,6 +67,25 @@ RigidTransform rigid(const Eigen::Affine3d& X) {
   return geometry::make_transform(Eigen::Quaterniond(X.linear()).normalized(), X.translation());
 }
 
+// COLLADA 1.5, "Determining transparency (opacity)": by <transparent>, weighed by <transparency>.
+// The diffuse colour's own alpha says nothing: exporters leave it at 0.
+double collada_opacity(const XmlElement& light) {
+  const auto transparent = light.child("transparent");
+  const double weight = number_in(light.child("transparency")).value_or(1);
+  if (!transparent) return 1;  // transparency weighs nothing then
+  const std::string mode = transparent->attribute("opaque").value_or("A_ONE");
+  const auto color = transparent->child("color");
+  if (!color) {
+    transparent->drop("textures are not kept");
+    return 1;
+  }
+  color->attribute("sid");
+  const auto n = color->text_numbers(4);
+  const double luminance = 0.212671 * n[0] + 0.715160 * n[1] + 0.072169 * n[2];
+  const double amount = weight * (mode.starts_with("RGB") ? luminance : n[3]);
+  return std::clamp(mode.ends_with("_ZERO") ? 1 - amount : amount, 0.0, 1.0);
+}
+
 }  // namespace
 
 std::optional<XmlElement> ColladaShapes::referred(const std::string& url) {
@@ -419,7 +438,9 @@ std::optional<std::array<double, 4>> ColladaShapes::color(const XmlElement& mate
     const auto light = technique->child(kind);
     if (!light) continue;
     for (const XmlElement& one : light->children()) {
-      if (one.name() != "diffuse" && is_new) one.drop("how it is lit");
+      const bool is_color =
+          one.name() == "diffuse" || one.name() == "transparent" || one.name() == "transparency";
+      if (!is_color && is_new) one.drop("how it is lit");
     }
     const auto diffuse = light->child("diffuse");
     if (!diffuse) continue;
@@ -432,7 +453,7 @@ std::optional<std::array<double, 4>> ColladaShapes::color(const XmlElement& mate
     const auto n = given->text_numbers(0);
     if (n.size() < 3) given->fail("a colour has three or four numbers", "Mend it");
     const auto part = [&](std::size_t i) { return std::clamp(n[i], 0.0, 1.0); };
-    return {{part(0), part(1), part(2), n.size() > 3 ? part(3) : 1}};
+    return {{part(0), part(1), part(2), collada_opacity(*light)}};
   }
   return std::nullopt;
 }

@@ -101,6 +101,27 @@ TEST_F(ColladaShapesOf, LinksStandInTheirFrames) {
   EXPECT_THAT(loss_.text(), AllOf(HasSubstr("normals, colours and textures"), HasSubstr("lit")));
 }
 
+TEST_F(ColladaShapesOf, OpacityIsByTransparencyAndNotByTheDiffuseAlpha) {
+  const std::string whole = turning(tetrahedron(kTriangles));
+  const auto opacity = [&](const std::string& light) {
+    std::string text = whole;
+    const std::string diffuse = "<diffuse><color>0.2 0.4 0.6 1</color></diffuse>";
+    text.replace(text.find(diffuse), diffuse.size(), light);
+    return (*read("crane.dae", text).link("arm")->visuals[1].color)[3];
+  };
+  const std::string diffuse = "<diffuse><color>0.2 0.4 0.6 0</color></diffuse>";
+  const std::string half = "<transparency><float>0.5</float></transparency>";
+  EXPECT_EQ(opacity(diffuse), 1);
+  EXPECT_EQ(opacity(diffuse + half), 1);
+  EXPECT_EQ(opacity(diffuse + "<transparent><color>1 1 1 0.5</color></transparent>" + half), 0.25);
+  EXPECT_EQ(
+      opacity(diffuse + "<transparent opaque='A_ZERO'><color>1 1 1 0.5</color></transparent>"),
+      0.5);
+  EXPECT_NEAR(opacity(diffuse +
+                      "<transparent opaque='RGB_ZERO'><color>1 1 1 0</color></transparent>" + half),
+              0.5, 1e-5);
+}
+
 TEST_F(ColladaShapesOf, PolygonsAreTriangles) {
   for (const std::string& primitive :
        {"<polylist material='m'>" + kInputs +

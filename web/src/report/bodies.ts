@@ -1,15 +1,12 @@
-/** The scene of a report, out of its JSON (prehend/report/scene.h). */
+/** The scene of a report, out of its JSON (prehend/report/film.h). */
 
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial } from "three";
+import { Group, type Mesh } from "three";
+import { bytesOf, geometryOf, type LookData, type MeshData, meshOf } from "./mesh.js";
 
 const kNumbersOfPose = 7; // position, then quaternion, w first
 
-interface BodyData {
+interface BodyData extends MeshData, LookData {
   name: string;
-  color: string;
-  opacity: number;
-  vertices: string; // base64 of float32, m
-  triangles: string; // base64 of uint32
   poses: string; // base64 of float32: one for each frame, or one for all
 }
 
@@ -17,30 +14,6 @@ export interface SceneData {
   times: number[]; // s, of the frames
   captions: string[]; // of the frames
   bodies: BodyData[];
-}
-
-function bytesOf(base64: string): ArrayBuffer {
-  const text = atob(base64);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  return bytes.buffer;
-}
-
-function meshOf(data: BodyData): Mesh {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(bytesOf(data.vertices)), 3));
-  geometry.setIndex(new BufferAttribute(new Uint32Array(bytesOf(data.triangles)), 1));
-  const material = new MeshStandardMaterial({
-    color: new Color(data.color),
-    flatShading: true,
-    side: DoubleSide,
-    transparent: data.opacity < 1,
-    opacity: data.opacity,
-    depthWrite: data.opacity === 1,
-  });
-  const mesh = new Mesh(geometry, material);
-  mesh.matrixAutoUpdate = true;
-  return mesh;
 }
 
 /** All bodies of a scene, by the names that are shown and hidden together. */
@@ -57,7 +30,7 @@ export class Bodies {
         this.named.set(body.name, group);
         this.root.add(group);
       }
-      const mesh = meshOf(body);
+      const mesh = meshOf(geometryOf(body), body);
       group.add(mesh);
       this.#moving.push({ mesh, poses: new Float32Array(bytesOf(body.poses)) });
     }

@@ -1,14 +1,8 @@
 // A report's film: it is drawn, played, turned and taken apart.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { pathToFileURL } from "node:url";
-import { launch } from "../browser.mjs";
-
-const base64 = (array) => Buffer.from(array.buffer).toString("base64");
+import { test } from "node:test";
+import { base64, pixels, withFigure } from "./figure.mjs";
 
 /** A square that faces up and rises by half a metre in half a second, and a plate that stays. */
 function film() {
@@ -32,57 +26,7 @@ function film() {
   };
 }
 
-let browser;
-let folder;
-before(async () => {
-  browser = await launch();
-  folder = mkdtempSync(join(tmpdir(), "prehend-report-"));
-});
-after(async () => {
-  await browser?.close();
-  rmSync(folder, { recursive: true, force: true });
-});
-
-async function withFilm(data, body) {
-  const file = join(folder, "report.html");
-  const program = readFileSync(new URL("../../dist/report.js", import.meta.url), "utf8");
-  writeFileSync(
-    file,
-    `<!doctype html><body><figure class="scene"><script type="application/json">${JSON.stringify(data)}</script>` +
-      `<figcaption>it</figcaption></figure><script type="module">${program}</script></body>`,
-  );
-  const page = await browser.newPage({ viewport: { width: 700, height: 640 } });
-  const wrong = [];
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("request", (request) => {
-    if (!/^(file|data|blob):/.test(request.url())) wrong.push(`it asked for ${request.url()}`);
-  });
-  try {
-    await page.goto(pathToFileURL(file).href);
-    await body(page);
-    assert.deepEqual(wrong, []);
-  } finally {
-    await page.close();
-  }
-}
-
-/** Rows of the canvas, mean and count, of pixels that are mostly of a colour: 0 red, 1 green, 2 blue. */
-const pixels = (page, channel) =>
-  page.evaluate(async (wanted) => {
-    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
-    const canvas = document.querySelector("canvas");
-    const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
-    context.drawImage(canvas, 0, 0);
-    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-    let [count, rows] = [0, 0];
-    for (let i = 0; i < data.length; i += 4) {
-      const others = [0, 1, 2].filter((k) => k !== wanted).map((k) => data[i + k]);
-      if (data[i + wanted] < 60 || Math.max(...others) > 0.5 * data[i + wanted]) continue;
-      count++;
-      rows += Math.floor(i / 4 / canvas.width);
-    }
-    return { count, row: rows / Math.max(1, count) };
-  }, channel);
+const withFilm = (data, body) => withFigure("scene", data, body);
 
 test("what it shows moves with the time that is chosen", () =>
   withFilm(film(), async (page) => {
