@@ -20,6 +20,7 @@ void add_model_command(CLI::App& app) {
       "  prehend model convert HumanHand20DOF.xml hand.urdf --strict\n"
       "  prehend model show hand.xml --out hand.html\n"
       "  prehend model check robot.urdf --fix mended.urdf\n"
+      "  prehend model collision arm.dae arm.urdf --as pieces --concavity 0.002\n"
       "  prehend model diff robot.urdf robot.sdf");
   for (CLI::App* one : command->get_subcommands({})) {
     // The options write to the choices, which have to live as long.

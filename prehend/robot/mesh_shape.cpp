@@ -95,7 +95,7 @@ int close_holes(const std::vector<std::pair<int, int>>& open, TriangleMesh& mesh
 }
 
 /// Makes a solid of a surface with holes; the remark on it.
-std::string make_closed(TriangleMesh& mesh, const std::filesystem::path& file) {
+std::string make_closed(TriangleMesh& mesh, const std::string& name) {
   const std::vector<std::pair<int, int>> open = open_edges(mesh);
   if (open.empty()) return "";
   // An edge that is open twice has triangles of opposite orientation beside it.
@@ -105,10 +105,10 @@ std::string make_closed(TriangleMesh& mesh, const std::filesystem::path& file) {
   const double area = geometry::surface_area(mesh);
   if (oriented && geometry::surface_area(closed) - area < kMostHoles * area) {
     mesh = std::move(closed);
-    return "'" + file.string() + "' has " + std::to_string(holes) + " holes or cracks: closed";
+    return name + " has " + std::to_string(holes) + " holes or cracks: closed";
   }
   mesh = geometry::convex_hull(mesh.vertices);
-  return "'" + file.string() + "' does not close: its convex hull stands for it";
+  return name + " does not close: its convex hull stands for it";
 }
 
 void turn_over(TriangleMesh& mesh) {
@@ -159,17 +159,25 @@ SolidMesh read_solid_mesh(const std::filesystem::path& file, const Eigen::Vector
     refuse(file, "is " + in_words(extent) + " long at its scale",
            "URDF is in metres: of a mesh in millimetres write scale=\"0.001 0.001 0.001\"");
   }
-  mesh = geometry::with_merged_vertices(mesh, kRounding * extent);
   if (scale.prod() < 0) turn_over(mesh);
+  return solid_mesh(std::move(mesh), "'" + file.string() + "'");
+}
+
+SolidMesh solid_mesh(TriangleMesh mesh, const std::string& name) {
+  const double extent = mesh.vertices.empty() ? 0 : geometry::bounds(mesh).sizes().maxCoeff();
+  if (!(extent > 0 && std::isfinite(extent))) {
+    throw InputError(name + " has no size", "Give a mesh with volume");
+  }
+  mesh = geometry::with_merged_vertices(mesh, kRounding * extent);
   SolidMesh result;
   try {
-    result.remark = make_closed(mesh, file);
+    result.remark = make_closed(mesh, name);
   } catch (const InputError&) {
-    refuse(file, "is flat", "Give a mesh with volume");
+    throw InputError(name + " is flat", "Give a mesh with volume");
   }
   const double volume = geometry::mass_properties(mesh).volume;
   if (!(std::abs(volume) > kLeastVolume * extent * extent * extent)) {
-    refuse(file, "encloses no volume", "Give a mesh of a solid");
+    throw InputError(name + " encloses no volume", "Give a mesh of a solid");
   }
   if (volume < 0) turn_over(mesh);
   result.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));

@@ -25,14 +25,18 @@ struct SolidMesh {
   std::string remark;  // what was changed of the file's surface and why; empty: nothing
 };
 
+/// The solid that a mesh [m] bounds. Vertices within 1e-6 of its extent become one. A surface
+/// closes when each edge is passed as often one way as the other. Holes and cracks in one that does
+/// not are closed by flat patches as long as these have less than a quarter of its area; else, or
+/// when triangles beside one another are turned opposite ways, its convex hull stands for it.
+/// `remark` says either, beginning with `name`.
+/// @throws geometry::InputError beginning with `name`: a mesh without volume.
+SolidMesh solid_mesh(geometry::TriangleMesh mesh, const std::string& name);
+
 /// Reads a mesh (geometry::read_mesh_file()), times `scale` along each axis; a negative one mirrors
-/// it. Vertices within 1e-6 of its extent become one. A surface closes when each edge is passed as
-/// often one way as the other. Holes and cracks in one that does not are closed by flat patches as
-/// long as these have less than a quarter of its area; else, or when triangles beside one another
-/// are turned opposite ways, its convex hull stands for it. `remark` says either.
-/// @throws geometry::InputError naming the file: one that cannot be read; a scale with a 0 or what
-/// is no number; a mesh without volume; one longer than 10 m or shorter than 0.1 mm, which is in
-/// another unit.
+/// it; as solid_mesh(). @throws geometry::InputError naming the file: one that cannot be read; a
+/// scale with a 0 or what is no number; a mesh without volume; one longer than 10 m or shorter than
+/// 0.1 mm, which is in another unit.
 SolidMesh read_solid_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale);
 
 }  // namespace prehend::robot

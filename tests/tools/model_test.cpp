@@ -99,6 +99,22 @@ TEST_F(Model, RefusesWhatItCannotReadOrWrite) {
   EXPECT_EQ(exit_code_, 2);
 }
 
+TEST_F(Model, GetsCollisionShapesOfTheLinksThatAreAskedFor) {
+  const std::string file = folder_.write("hand.urdf", hand_urdf());
+  const std::string made = folder_.path("made.robot.json");
+  EXPECT_THAT(run({"collision", file, made, "--as", "sphere"}), HasSubstr("<!--palm: 1 sphere"));
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(text_of(made), HasSubstr("\"kind\": \"sphere\""));
+  EXPECT_THAT(run({"collision", file, made, "--link", "thumb"}),
+              HasSubstr("There is no link 'thumb'. Name one of: "));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({"collision", file, made, "--as", "box", "--concavity", "0.01"}),
+              HasSubstr("--concavity is of pieces, not of a box"));
+  EXPECT_THAT(run({"collision", file, made, "--link", "a"}), HasSubstr("nothing that is seen"));
+  run({"collision", file, made, "--as", "cone"});
+  EXPECT_EQ(exit_code_, 2);
+}
+
 TEST_F(Model, IsFreeOfLossOrNotWrittenWhereThatIsAsked) {
   const std::string file = folder_.write("hand.urdf", hand_urdf());
   EXPECT_THAT(run({"convert", file, folder_.path("hand.robot.json"), "--strict"}),

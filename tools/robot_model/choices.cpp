@@ -37,6 +37,24 @@ void add_model_options(CLI::App& app, ModelChoices& choices) {
       "inertia, sensors, what is wrong, and tables of all that its file says");
   show->add_option("file", choices.first, "a robot's file of any format that is read")->required();
   show->add_option("--out", choices.page, "the page; without it the file's name with .html, here");
+  CLI::App* collision = add_command(
+      app, choices, "collision",
+      "Write a robot with new collision shapes of its links, made of what is seen of them");
+  collision->add_option("from", choices.first, "a robot's file of any format that is read")
+      ->required();
+  collision->add_option("to", choices.second, "the file to write; its ending says the format")
+      ->required();
+  collision
+      ->add_option("--as", choices.collision,
+                   "one box, sphere, cylinder or capsule, the convex hull, or convex pieces")
+      ->check(CLI::IsMember({"box", "sphere", "cylinder", "capsule", "hull", "pieces"}))
+      ->capture_default_str();
+  collision->add_option("--link", choices.links,
+                        "of this link, again for more; without it of all that are seen");
+  collision
+      ->add_option("--concavity", choices.concavity,
+                   "m, how far pieces may reach beyond what is seen; 0.004 where it is not given")
+      ->check(CLI::Range(1e-4, 1.0));
   CLI::App* diff = add_command(
       app, choices, "diff",
       "Compare two robots by what they do, whatever their formats: where their links are at random "

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -8,8 +10,11 @@ namespace prehend::tools {
 
 /// Options of `prehend model` and of the program that it becomes.
 struct ModelChoices {
-  std::string command;  // convert, check, show, diff, formats
+  std::string command;  // convert, check, show, collision, diff, formats
   std::string first, second, format, mended, page;
+  std::vector<std::string> links;
+  std::string collision = "pieces";
+  std::optional<double> concavity;  // m
   bool strict = false;
   int samples = 1000;
 };

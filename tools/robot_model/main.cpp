@@ -1,14 +1,18 @@
 // Robots' files of many formats: what `prehend model` starts.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/collision_shapes.h"
 #include "prehend/robot/formats/model_check.h"
 #include "prehend/robot/formats/robot_format.h"
 #include "prehend/robot/formats/shape_mesh.h"
@@ -45,18 +49,36 @@ void write_beside(const fs::path& file, const std::string& srdf) {
   fmt::print("{}: what the URDF cannot say\n", srdf_beside(file).string());
 }
 
+/// A robot as it will be written: its text, and the files beside it.
+struct Written {
+  std::string text, srdf;
+  std::vector<MeshFile> meshes;
+
+  void to(const fs::path& file) const {
+    write_meshes(meshes, fs::absolute(file).parent_path());
+    write_file(file, text);
+    write_beside(file, srdf);
+  }
+};
+
+/// @param from the file it was read from, after which its meshes are named
+Written written(RobotDescription robot, const RobotFormat& format, const fs::path& from,
+                const fs::path& to, LossReport& loss) {
+  const fs::path here = fs::absolute(from).parent_path();
+  Written files;
+  files.meshes = take_out_meshes(robot, here, to.stem().string(), loss, format.taken_meshes());
+  move_meshes(robot, here, fs::absolute(to).parent_path());
+  files.srdf = srdf_of(format, robot, loss);
+  files.text = format.write(robot, loss);
+  return files;
+}
+
 int convert(const ModelChoices& choices) {
   LossReport loss;
   const RobotFormat& format =
       choices.format.empty() ? format_for(choices.second) : format_named(choices.format);
-  RobotDescription robot = read_robot(choices.first, loss);
-  const fs::path from = fs::absolute(choices.first).parent_path(),
-                 to = fs::absolute(choices.second).parent_path();
-  const auto meshes = take_out_meshes(robot, from, fs::path(choices.second).stem().string(), loss,
-                                      format.taken_meshes());
-  move_meshes(robot, from, to);
-  const std::string srdf = srdf_of(format, robot, loss);
-  const std::string text = format.write(robot, loss);
+  const RobotDescription robot = read_robot(choices.first, loss);
+  const Written files = written(robot, format, choices.first, choices.second, loss);
   fmt::print("{}", loss.text());
   if (choices.strict && !loss.lossless()) {
     fmt::print(stderr,
@@ -65,9 +87,45 @@ int convert(const ModelChoices& choices) {
                choices.second);
     return 3;
   }
-  write_meshes(meshes, to);
-  write_file(choices.second, text);
-  write_beside(choices.second, srdf);
+  files.to(choices.second);
+  return 0;
+}
+
+LinkDescription& link_of(RobotDescription& robot, const std::string& name) {
+  const auto link = std::ranges::find(robot.links, name, &LinkDescription::name);
+  if (link != robot.links.end()) return *link;
+  std::string names;
+  for (const auto& one : robot.links) names += (names.empty() ? "" : ", ") + one.name;
+  throw prehend::geometry::InputError("There is no link '" + name + "'", "Name one of: " + names);
+}
+
+int collision(const ModelChoices& choices) {
+  constexpr double kConcavity = 0.004;  // m
+  const auto kind = static_cast<CollisionKind>(
+      std::ranges::find(collision_kinds(), choices.collision) - collision_kinds().begin());
+  if (choices.concavity && kind != CollisionKind::kPieces) {
+    throw prehend::geometry::InputError("--concavity is of pieces, not of a " + choices.collision,
+                                        "Leave it out");
+  }
+  LossReport loss;
+  const RobotFormat& format = format_for(choices.second);
+  RobotDescription robot = read_robot(choices.first, loss);
+  std::vector<LinkDescription*> links;
+  for (const std::string& name : choices.links) links.push_back(&link_of(robot, name));
+  for (LinkDescription& link : robot.links) {
+    if (choices.links.empty() && !link.visuals.empty()) links.push_back(&link);
+  }
+  ShapeMeshes meshes(fs::absolute(choices.first).parent_path());
+  for (LinkDescription* link : links) {
+    CollisionShapes made =
+        collision_shapes(*link, meshes, kind, choices.concavity.value_or(kConcavity));
+    fmt::print("{}: {} {}\n", link->name, made.shapes.size(), choices.collision);
+    for (const std::string& remark : made.remarks) fmt::print("{}: {}\n", link->name, remark);
+    link->collisions = std::move(made.shapes);
+  }
+  const Written files = written(robot, format, choices.first, choices.second, loss);
+  fmt::print("{}", loss.text());
+  files.to(choices.second);
   return 0;
 }
 
@@ -79,18 +137,9 @@ int check(const ModelChoices& choices) {
     for (const std::string& words : mend_model(robot, fs::absolute(choices.first).parent_path())) {
       fmt::print("mended: {}\n", words);
     }
-    RobotDescription moved = robot;
-    const fs::path from = fs::absolute(choices.first).parent_path(),
-                   to = fs::absolute(choices.mended).parent_path();
-    LossReport written;
-    write_meshes(take_out_meshes(moved, from, fs::path(choices.mended).stem().string(), written,
-                                 format.taken_meshes()),
-                 to);
-    move_meshes(moved, from, to);
-    const std::string srdf = srdf_of(format, moved, written);
-    write_file(choices.mended, format.write(moved, written));
-    write_beside(choices.mended, srdf);
-    fmt::print("{}", written.text());
+    LossReport lost;
+    written(robot, format, choices.first, choices.mended, lost).to(choices.mended);
+    fmt::print("{}", lost.text());
   }
   const auto findings = check_model(robot, fs::absolute(choices.first).parent_path());
   int errors = 0;
@@ -160,6 +209,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (choices.command == "convert") return convert(choices);
     if (choices.command == "check") return check(choices);
+    if (choices.command == "collision") return collision(choices);
     if (choices.command == "show") return show(choices);
     if (choices.command == "diff") return diff(choices);
     return list_formats();

@@ -112,7 +112,8 @@ std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const fs::path& f
           for (int i = 2; !used.insert(one).second; ++i) one = fmt::format("{}_{}", stem, i);
           file = folder + "/" + one + ".stl";
           result.push_back({file, std::move(mesh)});
-          loss.approximate(place, "mesh '" + shape.mesh + "'", "written as STL, without colours");
+          loss.approximate(place, has_file(shape) ? "mesh '" + shape.mesh + "'" : "mesh within it",
+                           "written as STL, without colours");
         }
         shape.mesh = file;
         shape.surface.reset();

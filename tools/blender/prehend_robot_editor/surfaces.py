@@ -85,6 +85,8 @@ def read(file):
     if reader is None:
         raise NotDone(f"{file}: Blender reads no such file here; it is kept by its name")
     before = set(bpy.data.objects)
+    objects = bpy.context.view_layer.objects
+    active, selected = objects.active, list(bpy.context.selected_objects)
     try:
         reader(file)
     except RuntimeError as error:
@@ -111,6 +113,9 @@ def read(file):
         bpy.data.objects.remove(one)
         if isinstance(its, bpy.types.Mesh) and not its.users:
             bpy.data.meshes.remove(its)
+    for one in selected:  # readers select what they read
+        one.select_set(True)
+    objects.active = active
     if is_empty:
         bpy.data.meshes.remove(data)
         raise NotDone(f"{file}: no surface is read of it; it is kept by its name")
