@@ -12,6 +12,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/uniform_inertial.h"
+#include "prehend/robot/learning/hand_shapes.h"
 #include "prehend/text/nearest_match.h"
 
 namespace prehend::robot::learning {
@@ -132,7 +133,7 @@ class Cutter {
   HandPart cut(const std::string& palm) {
     part_.palm = palm.empty() ? found_palm() : named_palm(palm);
     take_links();
-    complete_shapes();
+    complete_shapes(part_.robot, meshes_, part_.said);
     complete_joints();
     complete_masses();
     return std::move(part_);
@@ -210,42 +211,6 @@ class Cutter {
           "closed loops are left open: couplings over them are to be written as joints "
           "that follow",
           0.2);
-    }
-  }
-
-  bool is_readable(const Shape& shape) {
-    try {
-      return !meshes_.of(shape).triangles.empty();
-    } catch (const InputError& error) {
-      unread_ = error.problem();
-      return false;
-    }
-  }
-
-  void complete_shapes() {
-    int from_seen = 0, with_shape = 0;
-    for (LinkDescription& link : part_.robot.links) {
-      std::erase_if(link.collisions, [&](const Shape& shape) { return !is_readable(shape); });
-      if (link.collisions.empty()) {
-        for (const Shape& shape : link.visuals) {
-          if (is_readable(shape)) link.collisions.push_back(shape);
-        }
-        from_seen += link.collisions.empty() ? 0 : 1;
-      }
-      const JointDescription* above = part_.robot.joint_above(link.name);
-      with_shape += above != nullptr && !link.collisions.empty() ? 1 : 0;
-    }
-    if (with_shape == 0) {
-      throw InputError("No finger of '" + given_.name + "' has a shape" +
-                           (unread_.empty() ? "" : ": " + unread_),
-                       "Put its meshes where the file names them, or give ROS_PACKAGE_PATH");
-    }
-    if (!unread_.empty()) say("shapes", "some are not read: " + unread_, 0.5);
-    if (from_seen > 0) {
-      say("shapes",
-          fmt::format("{} links are touched where they are seen: they had no collision shape",
-                      from_seen),
-          0.8);
     }
   }
 
@@ -452,7 +417,6 @@ class Cutter {
   LinkTree tree_;
   formats::ShapeMeshes& meshes_;
   HandPart part_;
-  std::string unread_;
 };
 
 }  // namespace

@@ -253,6 +253,31 @@ TEST_F(LearnHand, WhatTheFileLacksIsAssumedAndSaid) {
   EXPECT_THAT(yaml, HasSubstr("#   0.20  efforts: of 2 joints are assumed"));
 }
 
+TEST_F(LearnHand, PointsByWhichASimulatorCollidesAreNoPartOfAFinger) {
+  std::string parts = jaws("palm", "", kSlide);
+  const std::string point =
+      "<collision><origin xyz='0 -0.007 0.06'/><geometry><sphere radius='0.001'/></geometry>"
+      "</collision></link>";
+  const auto end = parts.find("</link>", parts.find("'left'"));
+  parts.replace(end, 7, point);
+  const LearnedHand learned = learn(robot(parts));
+  EXPECT_TRUE(says(learned, "shapes: 1 of at most 4 mm are left out"));
+  const Link& left =
+      learned.hand.model.links[static_cast<std::size_t>(learned.hand.model.link_index("left"))];
+  ASSERT_EQ(left.shapes.size(), 1U);
+  EXPECT_EQ(left.shapes[0].kind, CollisionShape::Kind::kBox);
+  // A link of nothing else keeps it.
+  std::string tips;
+  for (const std::string side : {"left", "right"}) {
+    tips += "<link name='" + side +
+            "_tip'><collision><geometry><sphere radius='0.001'/></geometry>" +
+            "</collision></link>" +
+            joint(side + "_t", "fixed", side, side + "_tip", "0 0 0.04", "1 0 0", "");
+  }
+  const LearnedHand slender = learn(robot(jaws("palm", "", kSlide) + tips));
+  EXPECT_FALSE(says(slender, "left out"));
+}
+
 TEST_F(LearnHand, TheSameFileGivesTheSameBytes) {
   learn("config/robots/barrett_bh8.urdf");
   const std::string first = contents(folder_ / "learned.yaml");
