@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "prehend/motion/link_places.h"
@@ -66,19 +67,22 @@ void RobotSpheres::centers(const robot::KinematicChain& chain,
 }
 
 RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::string& base,
-                                const std::string& tip, double resolution) {
+                                const std::string& tip, double resolution,
+                                const LinkPairs* may_touch) {
   if (!(resolution > 0) || !std::isfinite(resolution)) {
     throw std::invalid_argument("make_robot_spheres: resolution must be positive");
   }
   const robot::KinematicChain chain(model, base, tip);
   const auto all = link_places(model, chain, model.link_index(base));
   RobotSpheres result;
+  std::vector<std::size_t> link_of;  // of each ball
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     if (!all[i]) continue;
     for (const CollisionShape& shape : model.links[i].shapes) {
       for (const Ball& ball : balls_of(shape, resolution)) {
         result.spheres.push_back(
             {all[i]->joint, all[i]->X_JL * (shape.X_LS * ball.center), ball.radius});
+        link_of.push_back(i);
       }
     }
   }
@@ -87,10 +91,20 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
   const auto gap = [&](std::size_t a, std::size_t b) {
     return (at[a] - at[b]).norm() - result.spheres[a].radius - result.spheres[b].radius;
   };
+  std::set<std::pair<std::size_t, std::size_t>> allowed;  // links
+  for (const auto& [first, second] : may_touch ? *may_touch : LinkPairs()) {
+    const auto one = static_cast<std::size_t>(model.link_index(first)),
+               other = static_cast<std::size_t>(model.link_index(second));
+    allowed.insert({std::min(one, other), std::max(one, other)});
+  }
+  const auto may = [&](std::size_t a, std::size_t b) {  // a < b, and so are their links
+    const int apart = std::abs(result.spheres[a].joint - result.spheres[b].joint);
+    if (!may_touch) return apart < 2;  // neighbours are made to touch
+    return apart == 0 || allowed.contains({link_of[a], link_of[b]});
+  };
   for (std::size_t a = 0; a < at.size(); ++a) {
     for (std::size_t b = a + 1; b < at.size(); ++b) {
-      // Neighbours are made to touch.
-      if (std::abs(result.spheres[a].joint - result.spheres[b].joint) < 2) continue;
+      if (may(a, b)) continue;
       if (gap(a, b) > 0) result.self_pairs.emplace_back(static_cast<int>(a), static_cast<int>(b));
     }
   }

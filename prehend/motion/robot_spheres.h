@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct RobotSphere {
   Eigen::Vector3d p_J = Eigen::Vector3d::Zero();  // m, in the frame after that joint
   double radius = 0;                              // m
 };
+
+using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 
 /// A robot's chain as balls that together hold all of its collision shapes.
 struct RobotSpheres {
@@ -31,9 +34,14 @@ struct RobotSpheres {
 /// [m] apart, or as far as the shape is thick, meshes by cover_solid(). Every point of a shape is
 /// in a ball; a ball reaches beyond a mesh by at most one resolution, beyond another shape by at
 /// most 1.8 resolutions or half of its smallest side.
+/// @param may_touch pairs of links that may touch each other, as an SRDF names them. All others
+/// that
+///     some joint moves against each other must not, but for balls that overlap in the middle of
+///     the limits. Null: as `self_pairs` says
 /// @throws std::invalid_argument for a resolution that is not positive; geometry::InputError for a
-/// mesh that needs more than 20000 balls, and as KinematicChain.
+/// mesh that needs more than 20000 balls, a link that is not there, and as KinematicChain.
 RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::string& base,
-                                const std::string& tip, double resolution = 0.06);
+                                const std::string& tip, double resolution = 0.06,
+                                const LinkPairs* may_touch = nullptr);
 
 }  // namespace prehend::motion
