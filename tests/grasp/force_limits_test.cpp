@@ -124,7 +124,7 @@ TEST(DisturbanceMargin, GrowsWithTheMotorsAndShrinksWithTheLoad) {
 }
 
 TEST(HandForces, DoTheWorkOfTheirMotors) {
-  for (const char* name : {"sdh2", "bh8", "pg70"}) {
+  for (const char* name : {"sdh2", "bh8", "sensorhand", "pg70"}) {
     const TestHand hand(name);
     const robot::HandModel& model = hand.model;
     std::mt19937_64 random(5);

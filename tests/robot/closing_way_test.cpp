@@ -35,7 +35,7 @@ TEST(ClosingWay, ClosureCountsTheJointsThatClose) {
 }
 
 TEST(ClosingWay, EveryPreshapeStaysWithinTheLimitsOfItsHand) {
-  for (const char* file : {"sdh2.yaml", "bh8.yaml", "pg70.yaml"}) {
+  for (const char* file : {"sdh2.yaml", "bh8.yaml", "sensorhand.yaml", "pg70.yaml"}) {
     const HandModel hand = read_hand_model(std::string("config/robots/") + file);
     for (const Preshape& preshape : hand.preshapes) {
       const ClosingWay of_hand = closing_way(hand, preshape, {}, preshape.open);

@@ -163,7 +163,7 @@ TEST(Pg70, IsTheGripperOfItsModel) {
 }
 
 TEST(HandModel, EveryPreshapeIsWithinTheLimitsAllTheWayOpen) {
-  for (const char* name : {"sdh2", "bh8", "pg70"}) {
+  for (const char* name : {"sdh2", "bh8", "sensorhand", "pg70"}) {
     const HandModel hand = shipped(name);
     for (const Preshape& preshape : hand.preshapes) {
       EXPECT_EQ(hand.limit_problem(hand.all_positions(preshape.open)), "") << preshape.name;

@@ -43,7 +43,7 @@ TEST(PlacedLinks, StandWhereArmAndHandHaveThem) {
 }
 
 TEST(PlacedLinks, AreThoseOfTheArmAndThoseOfTheHand) {
-  for (const std::string name : {"kr5_sdh", "pa10_barrett", "stage_pg70"}) {
+  for (const std::string name : {"kr5_sdh", "pa10_barrett", "pa10_sensorhand", "stage_pg70"}) {
     const Platform platform = read_platform("config/robots/" + name + ".yaml");
     const Positions arm = platform.home("home").arm;
     const Eigen::VectorXd hand = platform.hand.all_positions(platform.hand.preshapes.front().open);

@@ -13,7 +13,7 @@ namespace {
 
 using geometry::RigidTransform;
 
-constexpr const char* kPlatforms[] = {"kr5_sdh", "pa10_barrett", "kr5_pg70"};
+constexpr const char* kPlatforms[] = {"kr5_sdh", "pa10_barrett", "pa10_sensorhand", "kr5_pg70"};
 
 Platform shipped_platform(const std::string& name) {
   return read_platform("config/robots/" + name + ".yaml");

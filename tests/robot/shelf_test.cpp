@@ -1,4 +1,4 @@
-// Arms of config/robots that were written from published figures, against these figures.
+// Arms and hands of config/robots that were written from published figures, against these figures.
 
 #include <gtest/gtest.h>
 
@@ -110,6 +110,76 @@ TEST(Shelf, FingertipsOfThe2F85StayParallelAndMeet) {
   };
   EXPECT_NEAR(gap(0), 0.085, 1e-6);
   EXPECT_NEAR(gap(0.8), 0, 0.006);
+}
+
+/// Where the tips of the SensorHand are, in the plane that they move in, as its URDF has them.
+struct Tripod {
+  Eigen::Vector3d axis, tip;  // of a finger
+  Eigen::Vector3d thumb_axis, thumb_tip;
+  double radii = 0;  // of both tips
+
+  Eigen::Vector3d line() const { return tip - thumb_tip; }  // from the thumb's tip to the finger's
+  double opening() const { return line().norm() - radii; }
+  /// By which both come nearer a radian, by the levers of the line through them about the axes.
+  double closing() const {
+    const Eigen::Vector3d along = line().normalized(), x = Eigen::Vector3d::UnitX();
+    return x.dot((tip - axis).cross(-along)) - x.dot((thumb_tip - thumb_axis).cross(along));
+  }
+};
+
+Tripod tripod_of(const HandModel& hand, double drive, const std::string& finger) {
+  std::vector<geometry::RigidTransform> poses;
+  hand.link_poses(hand.all_positions(Eigen::VectorXd::Constant(1, drive)), poses);
+  Tripod found;
+  const auto look = [&](const std::string& name, Eigen::Vector3d& axis, Eigen::Vector3d& tip) {
+    const auto link = static_cast<std::size_t>(hand.model.link_index(name));
+    const CollisionShape& end = hand.model.links[link].shapes.back();  // round in this plane
+    axis = poses[link].translation();
+    tip = poses[link] * end.X_LS.translation();
+    axis.x() = tip.x() = 0;
+    found.radii += end.radius;
+  };
+  look(finger, found.axis, found.tip);
+  look("thumb_finger", found.thumb_axis, found.thumb_tip);
+  return found;
+}
+
+TEST(Shelf, SensorHandOpensPressesAndClosesAsItsMakerSays) {
+  const HandModel hand = read_hand_model("config/robots/sensorhand.yaml");
+  ASSERT_EQ(hand.size(), 1);
+  const Joint& drive = hand.model.joints[static_cast<std::size_t>(hand.actuated[0])];
+  for (const std::string finger : {"index_finger", "middle_finger"}) {
+    SCOPED_TRACE(finger);
+    const Tripod open = tripod_of(hand, drive.lower, finger);
+    const Tripod closed = tripod_of(hand, drive.upper, finger);
+    EXPECT_NEAR(open.opening(), 0.1, 2e-5);
+    EXPECT_NEAR(closed.opening(), 0, 2e-5);
+    // By virtual work 100 N on the fingers and on the thumb are the drive's effort.
+    EXPECT_NEAR(drive.max_effort / closed.closing(), 100, 0.1);
+    EXPECT_NEAR(drive.max_velocity * closed.closing(), 0.3, 5e-4);
+    // The levers are the way's slope.
+    const double h = 1e-4;
+    EXPECT_NEAR(
+        (tripod_of(hand, 0.4 - h, finger).opening() - tripod_of(hand, 0.4 + h, finger).opening()) /
+            (2 * h),
+        tripod_of(hand, 0.4, finger).closing(), 1e-6);
+  }
+  EXPECT_NEAR(hand.mass(), 0.46, 1e-9);
+}
+
+TEST(Shelf, SensorHandHasAHandsLengths) {
+  const HandModel hand = read_hand_model("config/robots/sensorhand.yaml");
+  // Buchholz's shares of the hand's length; the means of index and middle finger, bent by 60
+  // degrees.
+  const double length = 0.185, finger_radius = 0.008, thumb_radius = 0.009;
+  const double proximal = (0.245 + 0.266) / 2 * length;
+  const double outer = (0.143 + 0.097 + 0.17 + 0.108) / 2 * length - finger_radius;
+  const double finger = std::sqrt(proximal * proximal + outer * outer + proximal * outer);
+  const Tripod tips = tripod_of(hand, 0, "index_finger");
+  EXPECT_NEAR((tips.tip - tips.axis).norm(), finger, 1e-4);
+  EXPECT_NEAR((tips.thumb_tip - tips.thumb_axis).norm(), (0.196 + 0.158) * length - thumb_radius,
+              1e-4);
+  EXPECT_NEAR(tips.axis.z(), (1 - 0.544) * length, 1e-4);
 }
 
 }  // namespace

@@ -71,8 +71,8 @@ void expect_same_dynamics(const RobotDescription& given, const RobotDescription&
 }
 
 TEST_F(Mjcf, IsTheSameRobotOnceMore) {
-  for (const char* file :
-       {"schunk_sdh2.urdf", "barrett_bh8.urdf", "ur5e.urdf", "robotiq_2f85.urdf", "pa10_7c.urdf"}) {
+  for (const char* file : {"schunk_sdh2.urdf", "barrett_bh8.urdf", "ottobock_sensorhand.urdf",
+                           "ur5e.urdf", "robotiq_2f85.urdf", "pa10_7c.urdf"}) {
     RobotDescription given;
     const RobotDescription again = written_and_read(fs::path("config/robots") / file, &given);
     SCOPED_TRACE(file);
