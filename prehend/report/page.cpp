@@ -19,7 +19,8 @@ h1{font-size:24px}h2{font-size:18px;margin-top:32px;border-bottom:1px solid #ccc
 figure{display:inline-block;margin:6px 10px 6px 0;vertical-align:top}
 figure img{max-width:342px;border:1px solid #ddd;image-rendering:auto}
 figcaption{font-size:13px;color:#555;max-width:342px}
-table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left;overflow-wrap:anywhere;min-width:52px}
+table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left}
+td{overflow-wrap:anywhere;min-width:52px}
 th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:bold}
 .good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
 .answer{background:#fdf3d3;color:#6b4e00}

@@ -110,6 +110,15 @@ TEST(Shelf, FingertipsOfThe2F85StayParallelAndMeet) {
   };
   EXPECT_NEAR(gap(0), 0.085, 1e-6);
   EXPECT_NEAR(gap(0.8), 0, 0.006);
+  // By virtual work 235 N on each pad, where both face each other, are the motor's effort.
+  const Joint& motor = hand.model.joints[static_cast<std::size_t>(hand.actuated[0])];
+  const double h = 1e-4, middle = 0.3;
+  double most = 0;  // N
+  for (double q = middle; q < 0.8; q += 0.05) {
+    most = std::max(most, motor.max_effort / ((gap(q - h) - gap(q + h)) / (2 * h)));
+    EXPECT_GE(motor.max_effort / ((gap(q - h) - gap(q + h)) / (2 * h)), 234) << q;
+  }
+  EXPECT_LT(most, 300);
 }
 
 /// Where the tips of the SensorHand are, in the plane that they move in, as its URDF has them.

@@ -4,7 +4,7 @@ import { Box3, type Object3D, Vector3 } from "three";
 import { Canvas, hider } from "./canvas.js";
 import { type JointData, RobotBody, type RobotData, rangeOf } from "./robot_body.js";
 
-const kHidden = ["touched", "inertia"]; // layers that cover others
+const kHidden = ["touched", "inertia"]; // layers that cover what is seen
 const kAxis = 0.08; // length of an axis' arrow, of the robot's size
 const kSweep = 4; // s, of a joint's way there and back
 
@@ -104,7 +104,7 @@ export class RobotFigure {
   #layers(): HTMLElement {
     const bar = document.createElement("div");
     for (const [name, meshes] of this.#body.layers) {
-      const isShown = !kHidden.includes(name) || this.#body.layers.size === 1;
+      const isShown = !kHidden.includes(name) || (name === "touched" && !this.#body.layers.has("seen"));
       bar.append(hider(name, meshes, isShown, this.#canvas));
     }
     const size = new Box3().setFromObject(this.#body.root).getSize(new Vector3()).length();
