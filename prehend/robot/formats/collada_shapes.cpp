@@ -9,6 +9,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/collada_elements.h"
+#include "prehend/robot/formats/collada_solid.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -85,7 +86,7 @@ std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlEleme
     for (const XmlElement& one : instance.children("newparam")) {
       if (const auto target = one.child("SIDREF")) {
         references[one.attribute("sid").value_or("")] = target->text();
-      } else {
+      } else if (number_in(one).value_or(0) != 0) {
         one.drop("where joints stand in the scene");
       }
     }
@@ -135,7 +136,10 @@ void ColladaShapes::read_bindings(const ColladaLinks& links) {
   }
   for (const XmlElement& one : instance->children("bind_joint_axis")) {
     const auto axis = one.child("axis");
-    if (const auto value = one.child("value")) value->drop("where joints stand in the scene");
+    // By a parameter: where that says other than 0, that is told there.
+    if (const auto value = one.child("value"); value && !value->child("param")) {
+      value->drop("where joints stand in the scene");
+    }
     const auto path = split_path(one.attribute("target").value_or(""));
     if (!axis || path.empty()) continue;
     std::optional<XmlElement> word = axis->child("param");
@@ -324,35 +328,26 @@ std::vector<Shape> ColladaShapes::read_body(const XmlElement& technique, const R
       for (Shape& one : shapes_of(*instance, X_LS, link)) shapes.push_back(std::move(one));
       continue;
     }
-    Shape shape;
-    shape.X_LS = X_LS;
-    if (const auto box = element.child("box")) {
-      const auto half = box->child("half_extents");
-      if (!half) box->fail("the box has no half_extents", "Give it");
-      const auto n = half->text_numbers(3);
-      shape.size = 2 * length_ * Eigen::Vector3d(n[0], n[1], n[2]);
-    } else if (const auto sphere = element.child("sphere")) {
-      const auto radius = sphere->child("radius");
-      if (!radius) sphere->fail("the sphere has no radius", "Give it");
-      shape.kind = Shape::Kind::kSphere;
-      shape.radius = length_ * radius->text_number();
-    } else if (element.child("cylinder") || element.child("capsule")) {
-      const bool is_cylinder = element.child("cylinder").has_value();
-      const XmlElement round = *element.child(is_cylinder ? "cylinder" : "capsule");
-      const auto radius = round.child("radius"), height = round.child("height");
-      if (!radius || !height) round.fail("it has no radius, or height", "Give both");
-      const auto radii = radius->text_numbers(0);
-      if (radii.empty()) radius->fail("it has no number", "Give one");
-      shape.kind = is_cylinder ? Shape::Kind::kCylinder : Shape::Kind::kCapsule;
-      shape.radius = length_ * *std::max_element(radii.begin(), radii.end());
-      shape.length = length_ * height->text_number();
-      // It stands along y there.
-      shape.X_LS.rotate(Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
-    } else {
-      element.drop("it is none of a mesh, box, sphere, cylinder, capsule");
+    auto shape = collada_solid(element, length_);
+    if (!shape) {
+      element.drop("it is none of a mesh, box, sphere, cylinder, capsule, plane");
       continue;
     }
-    shapes.push_back(std::move(shape));
+    // It stands along y there.
+    if (shape->kind == Shape::Kind::kCylinder || shape->kind == Shape::Kind::kCapsule) {
+      shape->X_LS.rotate(Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
+    }
+    shape->X_LS = X_LR * shape->X_LS;
+    for (const XmlElement& extra : element.children("extra")) {
+      const bool is_named = extra.attribute("type").value_or("") == "shape_info";
+      const auto own = extra.child("technique");
+      if (is_named && own && own->attribute("profile").value_or("") == "prehend") {
+        shape->name = extra.attribute("name").value_or("");
+      } else {
+        extra.drop("it is of its writer's own");
+      }
+    }
+    shapes.push_back(std::move(*shape));
   }
   return shapes;
 }
@@ -361,6 +356,7 @@ std::vector<Shape> ColladaShapes::shapes_of(const XmlElement& instance, const Ei
                                             const std::string& link) {
   Geometry& its = geometry_of(instance);
   std::vector<Shape> shapes;
+  const std::string own_name = instance.attribute("name").value_or("");
   std::map<std::string, XmlElement> materials;  // by symbol
   if (const auto bind = instance.child("bind_material")) {
     if (const auto technique = bind->child("technique_common")) {
@@ -376,11 +372,16 @@ std::vector<Shape> ColladaShapes::shapes_of(const XmlElement& instance, const Ei
   }
   for (Part& part : its.parts) {
     Shape shape;
+    shape.name = own_name;
     shape.kind = Shape::Kind::kMesh;
     shape.surface = part.surface;
-    if (part.name.empty()) part.name = fmt::format("{}_{}", link, counts_[link]++);
-    shape.mesh = part.name;
-    if (is_rigid(X_LG.linear())) {
+    if (its.primitive && is_rigid(X_LG.linear())) {
+      shape = *its.primitive;
+      shape.name = own_name;
+      shape.X_LS = rigid(X_LG) * shape.X_LS;
+    } else if (is_rigid(X_LG.linear())) {
+      if (part.name.empty()) part.name = fmt::format("{}_{}", link, counts_[link]++);
+      shape.mesh = part.name;
       shape.X_LS = rigid(X_LG);
     } else {
       TriangleMesh turned = *part.surface;
@@ -418,8 +419,15 @@ std::optional<std::array<double, 4>> ColladaShapes::color(const XmlElement& mate
   for (const char* kind : {"phong", "lambert", "blinn", "constant"}) {
     const auto light = technique->child(kind);
     if (!light) continue;
+    std::optional<double> opaque;
     for (const XmlElement& one : light->children()) {
-      if (one.name() != "diffuse" && is_new) one.drop("how it is lit");
+      if (one.name() == "transparent" && one.attribute("opaque").value_or("") == "A_ONE") {
+        const auto glass = one.child("color");
+        const auto n = glass ? glass->text_numbers(0) : std::vector<double>();
+        if (n.size() == 4) opaque = n[3];
+      } else if (one.name() != "diffuse" && is_new) {
+        one.drop("how it is lit");
+      }
     }
     const auto diffuse = light->child("diffuse");
     if (!diffuse) continue;
@@ -432,7 +440,10 @@ std::optional<std::array<double, 4>> ColladaShapes::color(const XmlElement& mate
     const auto n = given->text_numbers(0);
     if (n.size() < 3) given->fail("a colour has three or four numbers", "Mend it");
     const auto part = [&](std::size_t i) { return std::clamp(n[i], 0.0, 1.0); };
-    return {{part(0), part(1), part(2), n.size() > 3 ? part(3) : 1}};
+    const double alpha = n.size() > 3 ? part(3) : 1;
+    // Said twice, or there alone.
+    return {
+        {part(0), part(1), part(2), opaque && alpha == 1 ? std::clamp(*opaque, 0.0, 1.0) : alpha}};
   }
   return std::nullopt;
 }
@@ -479,9 +490,12 @@ ColladaShapes::Geometry& ColladaShapes::geometry_of(const XmlElement& instance) 
     }
     technique->attribute("profile");
     result.is_seen = bool_in(technique->child("visible"), true);
-    collada_steps(*technique, length);  // of the primitive
-    for (const char* primitive : {"half_extents", "radius", "height"}) {
-      if (const auto one = technique->child(primitive)) one->drop("the mesh itself is kept");
+    result.primitive = collada_solid(*technique, length);
+    const bool is_it = result.primitive && result.parts.size() == 1 &&
+                       is_same_solid(*result.primitive, *result.parts[0].surface);
+    if (result.primitive && !is_it) {
+      technique->drop("its mesh is kept, which is no such solid");
+      result.primitive.reset();
     }
   }
   return geometries_.emplace(url, std::move(result)).first->second;
