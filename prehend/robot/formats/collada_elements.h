@@ -20,6 +20,10 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kC
 /// "kmodel1/joint0/axis0" from its end: 0 is "axis0"; empty: there is none.
 std::string part_of(const std::string& path, std::size_t from_end);
 
+/// What an element is called, and what it is an instance of, count as kept: of those whose place
+/// says it already.
+void know_names(const XmlElement& element);
+
 /// The number of an element, or of the <float> in it.
 std::optional<double> number_in(const std::optional<XmlElement>& element);
 

@@ -1,7 +1,9 @@
 #include "prehend/robot/formats/collada_extra_writer.h"
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +20,9 @@ bool moves(const JointDescription& joint) {
   return joint.kind == Kind::kRevolute || joint.kind == Kind::kPrismatic ||
          joint.kind == Kind::kBall;
 }
+
+bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+bool has_space(const std::string& name) { return std::any_of(name.begin(), name.end(), is_space); }
 
 /// "kmodel0/link3"; empty: there is no such link.
 std::string link_path(const RobotDescription& robot, const std::string& name) {
@@ -90,11 +95,32 @@ void write_motor(const Motor& motor, std::size_t number, ColladaText& text) {
 
 }  // namespace
 
+std::vector<std::string> collada_names(const std::vector<std::string>& names) {
+  std::set<std::string> used;
+  for (const std::string& name : names) {
+    if (!has_space(name)) used.insert(name);
+  }
+  std::vector<std::string> written = names;
+  for (std::string& name : written) {
+    if (!has_space(name)) continue;
+    std::replace_if(name.begin(), name.end(), is_space, '_');
+    while (!used.insert(name).second) name += '_';
+  }
+  return written;
+}
+
 void write_model_extras(const RobotDescription& robot, ColladaText& text) {
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    if (!has_space(robot.links[i].name)) continue;
+    open_extra("link_info", fmt::format("link{}", i), text);
+    text.leaf("string_value", " name=\"name\"", robot.links[i].name);
+    close_extra(text);
+  }
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const JointDescription& joint = robot.joints[i];
-    if (!joint.stiffness && !joint.break_away) continue;
+    if (!joint.stiffness && !joint.break_away && !has_space(joint.name)) continue;
     open_extra("joint_info", fmt::format("joint{}", i), text);
+    if (has_space(joint.name)) text.leaf("string_value", " name=\"name\"", joint.name);
     if (joint.stiffness) {
       text.leaf("float_array", " name=\"spring\"",
                 number_text(*joint.stiffness) + " " + number_text(joint.rest));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "prehend/robot/formats/collada_text.h"
 #include "prehend/robot/formats/loss_report.h"
@@ -11,8 +12,12 @@
 // is of a technique of profile "prehend" beside.
 namespace prehend::robot::formats {
 
-/// Of the kinematics model: springs and clutches (joint_info), links that may touch and those that
-/// are seen and not touched (collision).
+/// `names` as they are written: collada-dom, by which OpenRAVE and ROS read, has a name end at its
+/// first space. With underscores, and each as unique as before.
+std::vector<std::string> collada_names(const std::vector<std::string>& names);
+
+/// Of the kinematics model: names that are written otherwise (link_info, joint_info), springs and
+/// clutches (joint_info), links that may touch and those that are seen and not touched (collision).
 void write_model_extras(const RobotDescription& robot, ColladaText& text);
 /// Of the articulated system: manipulators, and where sensors and motors are.
 void write_system_extras(const RobotDescription& robot, ColladaText& text);

@@ -14,6 +14,11 @@ std::optional<XmlElement> technique_of(const XmlElement& extra, const std::strin
   return std::nullopt;
 }
 
+/// Of a link or joint whose name has spaces.
+bool is_name(const XmlElement& parameter) {
+  return parameter.name() == "string_value" && parameter.attribute("name").value_or("") == "name";
+}
+
 std::optional<double> known_number(const XmlElement& element, const char* name) {
   const auto number = number_in(element.child(name));
   // OpenHRP's writer has 0 for what it does not know.
@@ -21,6 +26,20 @@ std::optional<double> known_number(const XmlElement& element, const char* name) 
 }
 
 }  // namespace
+
+std::map<std::string, std::string> collada_names_in(const XmlElement& model) {
+  std::map<std::string, std::string> names;
+  for (const XmlElement& extra : model.children("extra")) {
+    const std::string type = extra.attribute("type").value_or("");
+    if (type != "joint_info" && type != "link_info") continue;
+    const auto technique = technique_of(extra, "OpenRAVE");
+    if (!technique) continue;
+    for (const XmlElement& one : technique->children("string_value")) {
+      if (is_name(one)) names[extra.attribute("name").value_or("")] = one.text();
+    }
+  }
+  return names;
+}
 
 void ColladaExtras::read(const XmlElement& extra, RobotDescription& robot) {
   const std::string type = extra.attribute("type").value_or("");
@@ -32,6 +51,11 @@ void ColladaExtras::read(const XmlElement& extra, RobotDescription& robot) {
     read_collision(*technique, robot);
   } else if (type == "joint_info") {
     read_joint_info(extra, *technique);
+  } else if (type == "link_info") {
+    extra.attribute("name");
+    for (const XmlElement& one : technique->children()) {
+      if (!is_name(one)) one.drop("its meaning is its writer's own");
+    }
   } else if (type == "attach_actuator") {
     read_actuator(extra, *technique, robot);
   } else if (type == "attach_sensor") {
@@ -113,7 +137,7 @@ void ColladaExtras::read_joint_info(const XmlElement& extra, const XmlElement& t
       joint->rest = n[1];
     } else if (one.name() == "float_array" && name == "break_away") {
       joint->break_away = one.text_number();
-    } else {
+    } else if (!is_name(one)) {
       one.drop("its meaning is its writer's own");
     }
   }

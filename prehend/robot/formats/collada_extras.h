@@ -1,14 +1,20 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "prehend/robot/formats/robot_description.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
 namespace prehend::robot::formats {
+
+/// Names of links and joints, by their sids, that a model's extras say in full: XML's readers may
+/// end a name at its first space.
+std::map<std::string, std::string> collada_names_in(const XmlElement& model);
 
 /// What OpenRAVE adds to a kinematics model or an articulated system ("COLLADA Robot Extensions",
 /// 0.3.6): manipulators, motors, sensors, pairs of links that may touch, free parameters of joints.

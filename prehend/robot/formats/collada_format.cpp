@@ -47,6 +47,7 @@ class ColladaReader {
     const auto models = library->children("kinematics_model");
     if (models.empty()) root.fail("there is no kinematics_model", "Name a file that has one");
     robot_.name = models[0].attribute("name").value_or(file.stem().string());
+    full_names_ = collada_names_in(models[0]);
     read_model(models[0]);
     for (std::size_t i = 1; i < models.size(); ++i) models[i].drop("one model is read of a file");
     ColladaExtras extras(
@@ -77,6 +78,8 @@ class ColladaReader {
       const std::string type = one.attribute("type").value_or("");
       if (type != "library_sensors" && type != "library_actuators") {
         one.drop("it is of its writer's own");
+      } else if (const auto technique = one.child("technique")) {
+        technique->attribute("profile");
       }
     }
     return std::move(robot_);
@@ -144,7 +147,10 @@ class ColladaReader {
     const auto technique = model.child("technique_common");
     if (!technique) model.fail("the kinematics_model has no technique_common", "Mend it");
     for (const XmlElement& one : technique->children("joint")) {
-      joints_[one.attribute("sid").value_or("")] = read_joint(one);
+      const std::string sid = one.attribute("sid").value_or("");
+      Joint joint = read_joint(one);
+      if (full_names_.count(sid) != 0) joint.name = full_names_.at(sid);
+      joints_[sid] = std::move(joint);
     }
     for (const XmlElement& one : technique->children("instance_joint")) {
       std::string url = one.attribute("url").value_or("");
@@ -163,6 +169,7 @@ class ColladaReader {
     if (depth > 200) element.fail("links are too deep in one another", "Mend it");
     std::string name = element.attribute("name").value_or("");
     const std::string sid = element.attribute("sid").value_or("");
+    if (full_names_.count(sid) != 0) name = full_names_.at(sid);
     if (name.empty()) name = sid.empty() ? fmt::format("link{}", robot_.links.size()) : sid;
     if (robot_.link(name)) {
       element.approximate("a second link '" + name + "' is called by its sid, too");
@@ -206,10 +213,10 @@ class ColladaReader {
         if (!joint.axes.empty()) {
           const Axis& axis = joint.axes[i];
           one.kind = axis.turns ? Kind::kRevolute : Kind::kPrismatic;
-          one.axis_J = axis.direction;
           if (axis.lower == 0.0 && axis.upper == 0.0) {
             one.kind = Kind::kFixed;
           } else {
+            one.axis_J = axis.direction;
             one.lower = axis.lower;
             one.upper = axis.upper;
           }
@@ -413,14 +420,22 @@ class ColladaReader {
     };
     if (const auto scenes = root.child("library_physics_scenes")) {
       for (const XmlElement& scene : scenes->children("physics_scene")) {
-        for (const XmlElement& one : scene.children("instance_physics_model")) tie(one);
+        know_names(scene);
+        scene.child("technique_common");
+        for (const XmlElement& one : scene.children("instance_physics_model")) {
+          know_names(one);
+          one.attribute("parent");
+          tie(one);
+        }
       }
     }
     for (const XmlElement& model : library->children("physics_model")) {
+      know_names(model);
       for (const XmlElement& one : model.children("instance_physics_model")) tie(one);
     }
     for (const XmlElement& model : library->children("physics_model")) {
       for (const XmlElement& body : model.children("rigid_body")) {
+        know_names(body);
         const std::string sid = body.attribute("sid").value_or("");
         const auto found = link_of.find(sid);
         const std::string name =
@@ -466,6 +481,7 @@ class ColladaReader {
   std::map<std::string, Joint> joints_;               // by sid
   std::map<std::string, std::string> of_axis_;        // joint's name by "joint/axis"
   std::map<std::string, std::string> link_of_sid_;
+  std::map<std::string, std::string> full_names_;  // by sid, of names with spaces
 };
 
 class Collada : public RobotFormat {

@@ -83,9 +83,11 @@ std::string ColladaShapes::link_of_node(const std::string& id) const {
 std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlElement& root) const {
   std::map<std::string, std::string> references;
   const auto read = [&](const XmlElement& instance) {
+    know_names(instance);
     for (const XmlElement& one : instance.children("newparam")) {
+      const std::string sid = one.attribute("sid").value_or("");
       if (const auto target = one.child("SIDREF")) {
-        references[one.attribute("sid").value_or("")] = target->text();
+        references[sid] = target->text();
       } else if (number_in(one).value_or(0) != 0) {
         one.drop("where joints stand in the scene");
       }
@@ -103,6 +105,7 @@ std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlEleme
   };
   for (const XmlElement& library : root.children("library_kinematics_scenes")) {
     for (const XmlElement& scene : library.children("kinematics_scene")) {
+      know_names(scene);
       for (const char* kind : {"instance_articulated_system", "instance_kinematics_model"}) {
         for (const XmlElement& one : scene.children(kind)) read(one);
       }
@@ -110,6 +113,7 @@ std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlEleme
   }
   for (const XmlElement& library : root.children("library_articulated_systems")) {
     for (const XmlElement& system : library.children("articulated_system")) {
+      know_names(system);
       for (const char* part : {"kinematics", "motion"}) {
         const auto holder = system.child(part);
         if (!holder) continue;
@@ -128,6 +132,7 @@ void ColladaShapes::read_bindings(const ColladaLinks& links) {
   const auto scene = root.child("scene");
   const auto instance = scene ? scene->child("instance_kinematics_scene") : std::nullopt;
   if (!instance) return;
+  know_names(*instance);
   for (const XmlElement& one : instance->children("bind_kinematics_model")) {
     std::string node = one.attribute("node").value_or("");
     if (node.starts_with("#")) node.erase(0, 1);

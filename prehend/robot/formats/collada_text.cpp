@@ -43,7 +43,9 @@ void ColladaText::leaf(const std::string& name, const std::string& attributes,
 }
 
 void ColladaText::steps(const geometry::RigidTransform& X) {
-  const Eigen::AngleAxisd turn{Eigen::Quaterniond(X.linear())};
+  Eigen::AngleAxisd turn{Eigen::Quaterniond(X.linear())};
+  constexpr double kRounding = 1e-15;  // rad
+  if (std::abs(turn.angle()) < kRounding) turn = {0, Eigen::Vector3d::UnitX()};
   leaf("translate", "", numbers_text(X.translation()));
   leaf("rotate", "", numbers_text(turn.axis()) + " " + degrees_text(turn.angle()));
 }

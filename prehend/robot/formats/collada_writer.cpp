@@ -86,6 +86,10 @@ class ColladaWriter {
       below_[robot.joints[i].parent].push_back(i);
     }
     for (std::size_t i = 0; i < robot.links.size(); ++i) number_of_link_[robot.links[i].name] = i;
+    for (const JointDescription& joint : robot.joints) joint_names_.push_back(joint.name);
+    for (const LinkDescription& link : robot.links) link_names_.push_back(link.name);
+    joint_names_ = collada_names(joint_names_);
+    link_names_ = collada_names(link_names_);
   }
 
   std::string text() {
@@ -145,7 +149,7 @@ class ColladaWriter {
   void write_node(std::size_t link, const JointDescription* joint, ColladaText& text) {
     const LinkDescription& its = robot_.links[link];
     text.open("node", fmt::format(" id=\"node{0}\" sid=\"node{0}\"", link) +
-                          xml_attribute("name", its.name));
+                          xml_attribute("name", link_names_[link]));
     if (joint) {
       text.steps(joint->X_PJ);
       const std::size_t number = number_of_joint_.at(joint->name);
@@ -184,7 +188,8 @@ class ColladaWriter {
 
   void write_joint(std::size_t number, ColladaText& text) {
     const JointDescription& joint = robot_.joints[number];
-    text.open("joint", xml_attribute("sid", joint_sid(number)) + xml_attribute("name", joint.name));
+    text.open("joint", xml_attribute("sid", joint_sid(number)) +
+                           xml_attribute("name", joint_names_[number]));
     const auto axes = axes_of(joint);
     for (std::size_t i = 0; i < axes.size(); ++i) {
       text.open(axis_kind(joint), fmt::format(" sid=\"axis{}\"", i));
@@ -212,7 +217,8 @@ class ColladaWriter {
                       its.name, kDeepest),
           "Write another format, as SDF");
     }
-    text.open("link", fmt::format(" sid=\"link{}\"", link) + xml_attribute("name", its.name));
+    text.open("link",
+              fmt::format(" sid=\"link{}\"", link) + xml_attribute("name", link_names_[link]));
     if (joint && !joint->X_JC.isApprox(RigidTransform::Identity(), 0)) text.steps(joint->X_JC);
     for (const std::size_t below : below_[its.name]) {
       const JointDescription& next = robot_.joints[below];
@@ -424,6 +430,7 @@ class ColladaWriter {
   ColladaShapeWriter shapes_;
   std::string root_;
   std::map<std::string, std::size_t> number_of_joint_, number_of_link_;
+  std::vector<std::string> joint_names_, link_names_;      // as they are written
   std::map<std::string, std::vector<std::size_t>> below_;  // joints, by the link above
 };
 
