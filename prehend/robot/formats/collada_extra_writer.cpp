@@ -225,40 +225,4 @@ std::string collada_extra_libraries(const RobotDescription& robot) {
   return text.take();
 }
 
-void tell_losses_of_extras(const RobotDescription& robot, LossReport& loss) {
-  const std::string gone = "what it names is not there";
-  for (const Actuator& one : robot.actuators) {
-    if (robot.joint(one.joint) && !one.name.empty()) {
-      loss.keep("actuator");
-    } else {
-      loss.drop("actuator '" + one.name + "'", "actuator",
-                one.name.empty() ? "it has no name" : gone);
-    }
-  }
-  for (const Sensor& one : robot.sensors) {
-    if (robot.link(one.link)) {
-      loss.keep("sensor");
-    } else {
-      loss.drop("sensor '" + one.name + "'", one.kind, gone);
-    }
-  }
-  for (const Manipulator& one : robot.manipulators) {
-    if (!robot.link(one.base) || !robot.link(one.tip)) {
-      loss.drop("manipulator '" + one.name + "'", "manipulator", gone);
-      continue;
-    }
-    loss.keep("manipulator");
-    for (const auto& [joint, direction] : one.closing) {
-      if (!robot.joint(joint)) {
-        loss.drop("manipulator '" + one.name + "'", "joint '" + joint + "'", gone);
-      }
-    }
-  }
-  for (const auto& [first, second] : robot.disabled_collisions) {
-    if (!robot.link(first) || !robot.link(second)) {
-      loss.drop("robot", "pair '" + first + "', '" + second + "' that may touch", gone);
-    }
-  }
-}
-
 }  // namespace prehend::robot::formats

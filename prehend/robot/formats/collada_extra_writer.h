@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "prehend/robot/formats/collada_text.h"
-#include "prehend/robot/formats/loss_report.h"
 #include "prehend/robot/formats/robot_description.h"
 
 // OpenRAVE's extras to COLLADA ("COLLADA Robot Extensions", 0.3.6). Links are called link0, link1,
@@ -24,7 +23,5 @@ void write_system_extras(const RobotDescription& robot, ColladaText& text);
 /// The libraries of sensors and motors. A joint's effort, damping and friction are of a motor
 /// without a name: OpenRAVE has them nowhere else, and both of its frictions behind the gear.
 std::string collada_extra_libraries(const RobotDescription& robot);
-/// What of a description these do not say.
-void tell_losses_of_extras(const RobotDescription& robot, LossReport& loss);
 
 }  // namespace prehend::robot::formats

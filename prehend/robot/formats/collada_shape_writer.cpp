@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "prehend/robot/formats/collada_solid.h"
 #include "prehend/robot/formats/shape_mesh.h"
 #include "prehend/robot/formats/xml_text.h"
 
@@ -80,10 +81,14 @@ void write_geometry_info(const Shape& shape, bool is_seen, ColladaText& text) {
 
 bool is_in_collada(const Shape& shape, bool is_seen) {
   if (shape.kind == Shape::Kind::kPlane) return !is_seen;
-  if (shape.kind != Shape::Kind::kMesh) return true;
+  if (shape.kind != Shape::Kind::kMesh) return has_inside(shape);
+  constexpr double kMost = 1e30;  // m, within what floats are
   return shape.surface && !shape.surface->triangles.empty() &&
          std::all_of(shape.surface->vertices.begin(), shape.surface->vertices.end(),
-                     [](const Eigen::Vector3d& p) { return p.allFinite(); });
+                     [&](const Eigen::Vector3d& p) {
+                       return p.cwiseProduct(shape.scale).cwiseAbs().maxCoeff() < kMost &&
+                              p.cwiseProduct(shape.scale).allFinite();
+                     });
 }
 
 bool is_heavy(const LinkDescription& link) {

@@ -13,8 +13,8 @@
 
 namespace prehend::robot::formats {
 
-/// Whether a shape can be in a COLLADA document: meshes must have been loaded, planes are of
-/// bodies alone.
+/// Whether a shape can be in a COLLADA document: meshes must have been loaded, solids have a size,
+/// planes are of bodies alone.
 bool is_in_collada(const Shape& shape, bool is_seen);
 
 /// Whether a link has a mass that is not read as none.

@@ -1,6 +1,7 @@
 #include "prehend/robot/formats/collada_solid.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Geometry>
 
@@ -52,8 +53,24 @@ std::optional<Shape> collada_solid(const XmlElement& element, double length) {
   return std::nullopt;
 }
 
+bool has_inside(const Shape& solid) {
+  const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
+  switch (solid.kind) {
+    case Shape::Kind::kBox:
+      return is_size(solid.size.minCoeff()) && solid.size.allFinite();
+    case Shape::Kind::kSphere:
+      return is_size(solid.radius);
+    case Shape::Kind::kCylinder:
+      return is_size(solid.radius) && is_size(solid.length);
+    case Shape::Kind::kCapsule:
+      return is_size(solid.radius) && std::isfinite(solid.length) && solid.length >= 0;
+    default:
+      return false;
+  }
+}
+
 bool is_same_solid(const Shape& solid, const geometry::TriangleMesh& mesh) {
-  if (solid.kind == Shape::Kind::kPlane || mesh.vertices.empty()) return false;
+  if (!has_inside(solid) || mesh.vertices.empty()) return false;
   const auto own = geometry::bounds(geometry::transformed(ShapeMeshes("").of(solid), solid.X_LS));
   const auto given = geometry::bounds(mesh);
   const double most = 0.01 * own.sizes().maxCoeff();

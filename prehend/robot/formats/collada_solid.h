@@ -15,6 +15,9 @@ namespace prehend::robot::formats {
 /// @param length metres of the file's unit
 std::optional<Shape> collada_solid(const XmlElement& element, double length);
 
+/// Whether a solid is none without an inside: its sizes are more than 0 m, and finite.
+bool has_inside(const Shape& solid);
+
 /// Whether a mesh fills the box that the solid fills, to a hundredth: other writers' words about
 /// their meshes are not always so.
 bool is_same_solid(const Shape& solid, const geometry::TriangleMesh& mesh);

@@ -10,6 +10,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/collada_extra_writer.h"
+#include "prehend/robot/formats/collada_losses.h"
 #include "prehend/robot/formats/collada_shape_writer.h"
 #include "prehend/robot/formats/collada_text.h"
 #include "prehend/robot/formats/xml_text.h"
@@ -20,61 +21,6 @@ namespace {
 using geometry::InputError;
 using geometry::RigidTransform;
 using Kind = JointDescription::Kind;
-
-bool has_axis(const JointDescription& joint) {
-  return joint.kind == Kind::kRevolute || joint.kind == Kind::kPrismatic;
-}
-
-bool is_held(const JointDescription& joint) {
-  return has_axis(joint) && joint.lower == 0.0 && joint.upper == 0.0;
-}
-
-/// All that a document cannot say of a robot, in one place.
-void tell_losses(const RobotDescription& robot, LossReport& loss) {
-  for (const LinkDescription& link : robot.links) {
-    const std::string place = "link '" + link.name + "'";
-    loss.keep("link");
-    for (const bool is_seen : {true, false}) {
-      for (const Shape& shape : is_seen ? link.visuals : link.collisions) {
-        const char* what = is_seen ? "visual" : "collision";
-        if (shape.kind == Shape::Kind::kPlane && is_seen) {
-          loss.drop(place, "visual (plane)", "a mesh has an end");
-        } else if (!is_in_collada(shape, is_seen)) {
-          loss.drop(place, fmt::format("{} (mesh '{}')", what, shape.mesh), "it could not be read");
-        } else {
-          loss.keep(what);
-          if (!is_seen && shape.kind != Shape::Kind::kMesh &&
-              (shape.color || !shape.material.empty())) {
-            loss.drop(place, "material of a solid that is touched", "meshes alone have some there");
-          }
-        }
-      }
-    }
-    if (link.inertial && !is_heavy(link)) {
-      loss.drop(place, "inertial of no mass", "1e-9 kg and less is read as none");
-    }
-  }
-  for (const JointDescription& joint : robot.joints) {
-    const std::string place = "joint '" + joint.name + "'";
-    loss.keep("joint");
-    if (joint.kind == Kind::kFloating || joint.kind == Kind::kPlanar) {
-      loss.drop(place, joint.kind == Kind::kPlanar ? "planar joint" : "floating joint",
-                "programs that read COLLADA know none: it is fixed");
-    } else if (is_held(joint)) {
-      loss.approximate(place, "limits of 0", "fixed: they leave it no way");
-    }
-    if (joint.follows && !robot.joint(joint.follows->joint)) {
-      loss.drop(place, "follows '" + joint.follows->joint + "'", "that joint is not there");
-    }
-  }
-  for (const Loop& one : robot.loops) {
-    loss.drop("loop '" + one.name + "'", "closed loop", "programs that read COLLADA leave it open");
-  }
-  for (const Posture& one : robot.postures) {
-    loss.drop("posture '" + one.name + "'", "posture", "COLLADA has none");
-  }
-  tell_losses_of_extras(robot, loss);
-}
 
 class ColladaWriter {
  public:
@@ -131,8 +77,8 @@ class ColladaWriter {
     return (has_axis(joint) || joint.kind == Kind::kBall) && !is_held(joint);
   }
   const Follows* leader_of(const JointDescription& joint) const {
-    return joint.follows && has_axis(joint) && robot_.joint(joint.follows->joint) ? &*joint.follows
-                                                                                  : nullptr;
+    const bool follows = joint.follows && has_axis(joint) && !is_held(joint);
+    return follows && robot_.joint(joint.follows->joint) ? &*joint.follows : nullptr;
   }
 
   // Nodes: each within that of the link above, moved by steps that are bound to the axes.
@@ -438,7 +384,7 @@ class ColladaWriter {
 
 std::string collada_text(const RobotDescription& robot, LossReport& loss) {
   std::string text = ColladaWriter(robot).text();
-  tell_losses(robot, loss);
+  tell_collada_losses(robot, loss);
   return text;
 }
 

@@ -271,14 +271,15 @@ TEST_F(ColladaWritten, WhatItCannotSayIsTold) {
   robot.postures = {{"open", "grip", {{"slide", 0.1}}}};
   robot.links[0].visuals.push_back(some_shape(Shape::Kind::kPlane, "endless"));
   robot.links[5].inertial = Inertial{};
+  robot.links[5].visuals = {Shape{}};  // a box without size
   const RobotDescription once = again(robot);
   EXPECT_EQ(once.joint("the ball")->kind, Kind::kFixed);
   EXPECT_EQ(once.joints[0].kind, Kind::kFixed);
-  for (const char* words :
-       {"floating joint", "closed loop", "posture", "(plane)", "limits of 0", "of no mass"}) {
+  for (const char* words : {"floating joint", "closed loop", "posture", "(plane)", "limits of 0",
+                            "of no mass", "no size"}) {
     EXPECT_THAT(written_.text(), HasSubstr(words));
   }
-  EXPECT_EQ(written_.entries().size(), 6U) << written_.text();
+  EXPECT_EQ(written_.entries().size(), 7U) << written_.text();
 }
 
 TEST_F(ColladaWritten, ArchivesAreRefusedInWords) {
@@ -405,7 +406,8 @@ TEST_F(ColladaWritten, ColladaUrdfReadsTheSameKinematics) {
     }
     std::ifstream log(folder_ / "log");
     const std::string words{std::istreambuf_iterator<char>(log), {}};
-    EXPECT_THAT(words, testing::Not(HasSubstr("nable to create")));  // what its schema has not there
+    EXPECT_THAT(words,
+                testing::Not(HasSubstr("nable to create")));  // what its schema has not there
   }
 }
 
