@@ -30,6 +30,10 @@ std::string part_of(const std::string& path, std::size_t from_end) {
   return rest.substr(rest.rfind('/') + 1);
 }
 
+void know_names(const XmlElement& element) {
+  for (const char* name : {"id", "sid", "name", "url"}) element.attribute(name);
+}
+
 std::optional<double> number_in(const std::optional<XmlElement>& element) {
   if (!element) return std::nullopt;
   if (const auto value = element->child("float")) return value->text_number();
@@ -69,7 +73,10 @@ double evaluated(const XmlElement& element,
                  const std::function<double(const std::string&)>& value) {
   const std::string name = local_name(element);
   if (name == "cn") return element.text_number();
-  if (name == "csymbol" || name == "ci") return value(part_of(element.text(), 0));
+  if (name == "csymbol" || name == "ci") {
+    element.attribute("encoding");
+    return value(part_of(element.text(), 0));
+  }
   if (name == "pi") return std::numbers::pi;
   const auto parts = element.children();
   if (name == "math") {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/robot/formats/tracked_xml.h"
@@ -10,8 +13,16 @@
 // Parts that COLLADA's kinematics and its shapes have in common.
 namespace prehend::robot::formats {
 
+/// Kinds of sensors here, and OpenRAVE's types of them; others have one name.
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kColladaSensorTypes{
+    {{"camera", "base_pinhole_camera"}, {"force_torque", "base_force6d"}, {"imu", "base_imu"}}};
+
 /// "kmodel1/joint0/axis0" from its end: 0 is "axis0"; empty: there is none.
 std::string part_of(const std::string& path, std::size_t from_end);
+
+/// What an element is called, and what it is an instance of, count as kept: of those whose place
+/// says it already.
+void know_names(const XmlElement& element);
 
 /// The number of an element, or of the <float> in it.
 std::optional<double> number_in(const std::optional<XmlElement>& element);

@@ -11,7 +11,9 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/collada_elements.h"
+#include "prehend/robot/formats/collada_extras.h"
 #include "prehend/robot/formats/collada_shapes.h"
+#include "prehend/robot/formats/collada_writer.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -45,11 +47,18 @@ class ColladaReader {
     const auto models = library->children("kinematics_model");
     if (models.empty()) root.fail("there is no kinematics_model", "Name a file that has one");
     robot_.name = models[0].attribute("name").value_or(file.stem().string());
+    full_names_ = collada_names_in(models[0]);
     read_model(models[0]);
     for (std::size_t i = 1; i < models.size(); ++i) models[i].drop("one model is read of a file");
-    read_systems(root);
-    for (const XmlElement& extra : models[0].children("extra")) read_extra(extra);
+    ColladaExtras extras(
+        document_, length_, [this](const auto& path) { return link_named(path); },
+        [this](const std::string& path) { return joint_of(path); });
+    read_systems(root, extras);
+    for (const XmlElement& extra : models[0].children("extra")) extras.read(extra, robot_);
     read_bodies(root);
+    for (LinkDescription& link : robot_.links) {
+      if (extras.untouched().count(link.name) != 0) link.collisions.clear();
+    }
     for (const auto& [element, why] : std::initializer_list<std::pair<const char*, const char*>>{
              {"library_images", "textures are not kept"},
              {"library_lights", "the scene's lights are not kept"},
@@ -58,10 +67,21 @@ class ColladaReader {
     }
     if (const auto scene = root.child("scene")) {
       for (const XmlElement& one : scene->children("instance_physics_scene")) {
-        one.drop("bodies are tied to links by the physics scenes themselves");
+        one.attribute("url");
+        const auto all = root.child("library_physics_scenes");
+        if (all && all->children("physics_scene").size() > 1) {
+          one.drop("bodies are tied to links by all physics scenes, whichever is shown");
+        }
       }
     }
-    for (const XmlElement& one : root.children("extra")) one.drop("it is of its writer's own");
+    for (const XmlElement& one : root.children("extra")) {
+      const std::string type = one.attribute("type").value_or("");
+      if (type != "library_sensors" && type != "library_actuators") {
+        one.drop("it is of its writer's own");
+      } else if (const auto technique = one.child("technique")) {
+        technique->attribute("profile");
+      }
+    }
     return std::move(robot_);
   }
 
@@ -72,6 +92,7 @@ class ColladaReader {
       unit->attribute("name");
       if (!(length_ > 0)) unit->fail("a unit of no length", "Write metres");
     }
+    bool is_own = false;
     for (const XmlElement& one : asset.children("contributor")) {
       if (const auto tool = one.child("authoring_tool")) {
         // The first writers had radians for speeds, as their reader keeps to.
@@ -79,9 +100,11 @@ class ColladaReader {
         speeds_in_degrees_ = name.find("OpenHRP3") == std::string::npos &&
                              name.find("URDF") == std::string::npos &&
                              name != "OpenRAVE Collada Writer";
+        is_own = name == "prehend";
       }
     }
-    asset.drop("who wrote it, and when");
+    if (!is_own) return asset.drop("who wrote it, and when");
+    for (const char* known : {"created", "modified", "up_axis"}) asset.child(known);
   }
 
   struct Axis {
@@ -124,7 +147,10 @@ class ColladaReader {
     const auto technique = model.child("technique_common");
     if (!technique) model.fail("the kinematics_model has no technique_common", "Mend it");
     for (const XmlElement& one : technique->children("joint")) {
-      joints_[one.attribute("sid").value_or("")] = read_joint(one);
+      const std::string sid = one.attribute("sid").value_or("");
+      Joint joint = read_joint(one);
+      if (full_names_.count(sid) != 0) joint.name = full_names_.at(sid);
+      joints_[sid] = std::move(joint);
     }
     for (const XmlElement& one : technique->children("instance_joint")) {
       std::string url = one.attribute("url").value_or("");
@@ -143,6 +169,7 @@ class ColladaReader {
     if (depth > 200) element.fail("links are too deep in one another", "Mend it");
     std::string name = element.attribute("name").value_or("");
     const std::string sid = element.attribute("sid").value_or("");
+    if (full_names_.count(sid) != 0) name = full_names_.at(sid);
     if (name.empty()) name = sid.empty() ? fmt::format("link{}", robot_.links.size()) : sid;
     if (robot_.link(name)) {
       element.approximate("a second link '" + name + "' is called by its sid, too");
@@ -159,6 +186,20 @@ class ColladaReader {
         element.fail("joint '" + hung.first + "' is not there", "Mend it");
       const Joint& joint = found->second;
       RigidTransform X = hung.second;
+      if (is_ball(joint)) {
+        JointDescription ball;
+        ball.name = joint.name;
+        if (robot_.joint(ball.name)) ball.name += "_" + hung.first;
+        ball.kind = Kind::kBall;
+        ball.parent = parent;
+        ball.child = name;
+        ball.X_PJ = X;
+        ball.X_JC = X_own;
+        for (const Axis& axis : joint.axes) of_axis_[hung.first + "/" + axis.sid] = ball.name;
+        robot_.links.push_back({name, {}, {}, {}});
+        robot_.joints.push_back(std::move(ball));
+        return read_attachments(element, name, depth);
+      }
       for (std::size_t i = 0; i < std::max<std::size_t>(joint.axes.size(), 1); ++i) {
         JointDescription one;
         const bool is_last = i + 1 >= joint.axes.size();
@@ -172,10 +213,13 @@ class ColladaReader {
         if (!joint.axes.empty()) {
           const Axis& axis = joint.axes[i];
           one.kind = axis.turns ? Kind::kRevolute : Kind::kPrismatic;
-          one.axis_J = axis.direction;
-          one.lower = axis.lower;
-          one.upper = axis.upper;
-          if (one.lower && one.upper && *one.lower == 0 && *one.upper == 0) one.kind = Kind::kFixed;
+          if (axis.lower == 0.0 && axis.upper == 0.0) {
+            one.kind = Kind::kFixed;
+          } else {
+            one.axis_J = axis.direction;
+            one.lower = axis.lower;
+            one.upper = axis.upper;
+          }
           of_axis_[hung.first + "/" + axis.sid] = one.name;
         }
         robot_.links.push_back({one.child, {}, {}, {}});
@@ -183,6 +227,22 @@ class ColladaReader {
         robot_.joints.push_back(std::move(one));
       }
     }
+    read_attachments(element, name, depth);
+  }
+
+  /// Three axes without limits that are at right angles, as OpenRAVE writes it.
+  static bool is_ball(const Joint& joint) {
+    if (joint.axes.size() != 3) return false;
+    Eigen::Matrix3d axes;
+    for (int i = 0; i < 3; ++i) {
+      const Axis& axis = joint.axes[static_cast<std::size_t>(i)];
+      if (!axis.turns || axis.lower || axis.upper) return false;
+      axes.col(i) = axis.direction;
+    }
+    return (axes.transpose() * axes).isIdentity(1e-9);
+  }
+
+  void read_attachments(const XmlElement& element, const std::string& name, int depth) {
     for (const XmlElement& one : element.children("attachment_full")) {
       const std::string joint = part_of(one.needed("joint"), 0);
       const RigidTransform X = collada_steps(one, length_);
@@ -241,11 +301,29 @@ class ColladaReader {
     driven->follows = Follows{leader->name, one - zero, zero};
     element.attribute("sid");
     for (const XmlElement& other : element.children("technique")) {
-      other.drop("its derivatives follow from it");
+      if (!says_the_same(other, at, one - zero)) other.drop("its derivatives follow from it");
     }
   }
 
-  void read_systems(const XmlElement& root) {
+  /// Whether OpenRAVE's own technique of a formula has its line and that line's derivatives.
+  static bool says_the_same(const XmlElement& technique, const std::function<double(double)>& line,
+                            double slope) {
+    if (technique.attribute("profile").value_or("") != "OpenRAVE") return false;
+    for (const XmlElement& equation : technique.children()) {
+      const auto parts = equation.children();
+      if (equation.name() != "equation" || parts.size() != 1) return false;
+      const std::string type = equation.attribute("type").value_or("");
+      equation.attribute("target");
+      for (const double q : {0.0, 1.0}) {
+        const double value = evaluated(parts[0], [&](const std::string&) { return q; });
+        const double expected = type == "position" ? line(q) : type == "first_partial" ? slope : 0;
+        if (!(std::abs(value - expected) <= 1e-9 * (1 + std::abs(expected)))) return false;
+      }
+    }
+    return true;
+  }
+
+  void read_systems(const XmlElement& root, ColladaExtras& extras) {
     const auto library = root.child("library_articulated_systems");
     if (!library) return;
     std::map<std::string, JointDescription*> by_info;
@@ -260,7 +338,7 @@ class ColladaReader {
         }
         for (const XmlElement& one : kinematics->children("formula")) read_formula(one);
       }
-      for (const XmlElement& extra : system.children("extra")) read_extra(extra);
+      for (const XmlElement& extra : system.children("extra")) extras.read(extra, robot_);
     }
     for (const XmlElement& system : library->children("articulated_system")) {
       const auto motion = system.child("motion");
@@ -270,7 +348,7 @@ class ColladaReader {
       for (const XmlElement& info : technique->children("axis_info")) {
         const auto found = by_info.find(part_of(info.attribute("axis").value_or(""), 0));
         if (found == by_info.end() || !found->second) continue;
-        const bool turns = found->second->kind == Kind::kRevolute;
+        const bool turns = found->second->kind != Kind::kPrismatic;
         if (const auto speed = number_in(info.child("speed"))) {
           found->second->velocity = *speed * (turns ? (speeds_in_degrees_ ? kRadian : 1) : length_);
         }
@@ -282,7 +360,7 @@ class ColladaReader {
   }
 
   void read_axis_info(const XmlElement& info, JointDescription& joint) {
-    const bool turns = joint.kind == Kind::kRevolute;
+    const bool turns = joint.kind != Kind::kPrismatic;
     const double unit = turns ? kRadian : length_;
     if (const auto limits = info.child("limits")) {
       // Soft limits, where they are numbers and not names.
@@ -294,66 +372,18 @@ class ColladaReader {
       }
     }
     for (const XmlElement& one : info.children("formula")) read_formula(one);
-  }
-
-  /// What OpenRAVE adds to a model or a system.
-  void read_extra(const XmlElement& extra) {
-    const std::string type = extra.attribute("type").value_or("");
-    const auto technique = extra.child("technique");
-    if (!technique || technique->attribute("profile").value_or("") != "OpenRAVE") {
-      return extra.drop("it is of its writer's own");
-    }
-    if (type == "manipulator") {
-      read_manipulator(extra, *technique);
-    } else if (type == "collision") {
-      for (const XmlElement& one : technique->children()) {
-        const std::string first = link_named(one.attribute("link0"));
-        const std::string second = link_named(one.attribute("link1"));
-        if (one.name() == "ignore_link_pair" && !first.empty() && !second.empty()) {
-          robot_.disabled_collisions.emplace_back(first, second);
-        } else {
-          one.drop("states of links, and pairs of links that are not there, are not kept");
-        }
-      }
-    } else {
-      extra.drop("it is OpenRAVE's own");
-    }
+    const bool is_active = bool_in(info.child("active"), true);
+    const bool is_locked = bool_in(info.child("locked"), false);
+    if (joint.kind == Kind::kFixed) return;
+    // What follows another is written so, too.
+    joint.passive = !is_active && !joint.follows;
+    if (is_locked) info.child("locked")->drop("where it is locked is not kept");
   }
 
   /// The link of "kmodel1/link0"; empty: it is not there.
   std::string link_named(const std::optional<std::string>& path) const {
     const auto found = link_of_sid_.find(part_of(path.value_or(""), 0));
     return found == link_of_sid_.end() ? std::string() : found->second;
-  }
-
-  void read_manipulator(const XmlElement& extra, const XmlElement& technique) {
-    Manipulator manipulator;
-    manipulator.name = extra.attribute("name").value_or("");
-    const auto origin = technique.child("frame_origin"), tip = technique.child("frame_tip");
-    manipulator.base = origin ? link_named(origin->attribute("link")) : "";
-    manipulator.tip = tip ? link_named(tip->attribute("link")) : "";
-    if (manipulator.base.empty() || manipulator.tip.empty()) {
-      return extra.drop("its links are not there");
-    }
-    manipulator.X_TipTool = collada_steps(*tip, length_);
-    if (const auto direction = tip->child("direction")) {
-      direction->drop("the way it approaches is not kept");
-    }
-    for (const XmlElement& one : technique.children("gripper_joint")) {
-      const JointDescription* joint = joint_of(one.attribute("joint").value_or(""));
-      std::optional<XmlElement> way = one.child("chucking_direction");
-      if (!way) way = one.child("closing_direction");
-      if (!joint) {
-        one.drop("its joint is not there");
-        continue;
-      }
-      if (way) way->attribute("axis");
-      manipulator.closing.emplace_back(joint->name, number_in(way).value_or(0));
-    }
-    for (const char* other : {"iksolver", "interface_type", "grippername"}) {
-      for (const XmlElement& one : technique.children(other)) one.drop("it is OpenRAVE's own");
-    }
-    robot_.manipulators.push_back(std::move(manipulator));
   }
 
   /// Where links are in the root's frame, all joints at 0, also those that follow.
@@ -390,14 +420,22 @@ class ColladaReader {
     };
     if (const auto scenes = root.child("library_physics_scenes")) {
       for (const XmlElement& scene : scenes->children("physics_scene")) {
-        for (const XmlElement& one : scene.children("instance_physics_model")) tie(one);
+        know_names(scene);
+        scene.child("technique_common");
+        for (const XmlElement& one : scene.children("instance_physics_model")) {
+          know_names(one);
+          one.attribute("parent");
+          tie(one);
+        }
       }
     }
     for (const XmlElement& model : library->children("physics_model")) {
+      know_names(model);
       for (const XmlElement& one : model.children("instance_physics_model")) tie(one);
     }
     for (const XmlElement& model : library->children("physics_model")) {
       for (const XmlElement& body : model.children("rigid_body")) {
+        know_names(body);
         const std::string sid = body.attribute("sid").value_or("");
         const auto found = link_of.find(sid);
         const std::string name =
@@ -443,12 +481,18 @@ class ColladaReader {
   std::map<std::string, Joint> joints_;               // by sid
   std::map<std::string, std::string> of_axis_;        // joint's name by "joint/axis"
   std::map<std::string, std::string> link_of_sid_;
+  std::map<std::string, std::string> full_names_;  // by sid, of names with spaces
 };
 
 class Collada : public RobotFormat {
  public:
   std::string name() const override { return "collada"; }
   std::string ending() const override { return ".dae"; }
+  bool can_write() const override { return true; }
+  TakenMeshes taken_meshes() const override { return TakenMeshes::kEmbedded; }
+  std::string write(const RobotDescription& robot, LossReport& loss) const override {
+    return collada_text(robot, loss);
+  }
   bool recognises(const XmlElement& root) const override { return root.name() == "COLLADA"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     TrackedXml document = TrackedXml::read(file, loss);

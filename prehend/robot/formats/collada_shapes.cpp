@@ -9,6 +9,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/collada_elements.h"
+#include "prehend/robot/formats/collada_solid.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -101,10 +102,12 @@ std::string ColladaShapes::link_of_node(const std::string& id) const {
 std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlElement& root) const {
   std::map<std::string, std::string> references;
   const auto read = [&](const XmlElement& instance) {
+    know_names(instance);
     for (const XmlElement& one : instance.children("newparam")) {
+      const std::string sid = one.attribute("sid").value_or("");
       if (const auto target = one.child("SIDREF")) {
-        references[one.attribute("sid").value_or("")] = target->text();
-      } else {
+        references[sid] = target->text();
+      } else if (number_in(one).value_or(0) != 0) {
         one.drop("where joints stand in the scene");
       }
     }
@@ -121,6 +124,7 @@ std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlEleme
   };
   for (const XmlElement& library : root.children("library_kinematics_scenes")) {
     for (const XmlElement& scene : library.children("kinematics_scene")) {
+      know_names(scene);
       for (const char* kind : {"instance_articulated_system", "instance_kinematics_model"}) {
         for (const XmlElement& one : scene.children(kind)) read(one);
       }
@@ -128,6 +132,7 @@ std::map<std::string, std::string> ColladaShapes::read_parameters(const XmlEleme
   }
   for (const XmlElement& library : root.children("library_articulated_systems")) {
     for (const XmlElement& system : library.children("articulated_system")) {
+      know_names(system);
       for (const char* part : {"kinematics", "motion"}) {
         const auto holder = system.child(part);
         if (!holder) continue;
@@ -146,6 +151,7 @@ void ColladaShapes::read_bindings(const ColladaLinks& links) {
   const auto scene = root.child("scene");
   const auto instance = scene ? scene->child("instance_kinematics_scene") : std::nullopt;
   if (!instance) return;
+  know_names(*instance);
   for (const XmlElement& one : instance->children("bind_kinematics_model")) {
     std::string node = one.attribute("node").value_or("");
     if (node.starts_with("#")) node.erase(0, 1);
@@ -154,7 +160,10 @@ void ColladaShapes::read_bindings(const ColladaLinks& links) {
   }
   for (const XmlElement& one : instance->children("bind_joint_axis")) {
     const auto axis = one.child("axis");
-    if (const auto value = one.child("value")) value->drop("where joints stand in the scene");
+    // By a parameter: where that says other than 0, that is told there.
+    if (const auto value = one.child("value"); value && !value->child("param")) {
+      value->drop("where joints stand in the scene");
+    }
     const auto path = split_path(one.attribute("target").value_or(""));
     if (!axis || path.empty()) continue;
     std::optional<XmlElement> word = axis->child("param");
@@ -343,35 +352,26 @@ std::vector<Shape> ColladaShapes::read_body(const XmlElement& technique, const R
       for (Shape& one : shapes_of(*instance, X_LS, link)) shapes.push_back(std::move(one));
       continue;
     }
-    Shape shape;
-    shape.X_LS = X_LS;
-    if (const auto box = element.child("box")) {
-      const auto half = box->child("half_extents");
-      if (!half) box->fail("the box has no half_extents", "Give it");
-      const auto n = half->text_numbers(3);
-      shape.size = 2 * length_ * Eigen::Vector3d(n[0], n[1], n[2]);
-    } else if (const auto sphere = element.child("sphere")) {
-      const auto radius = sphere->child("radius");
-      if (!radius) sphere->fail("the sphere has no radius", "Give it");
-      shape.kind = Shape::Kind::kSphere;
-      shape.radius = length_ * radius->text_number();
-    } else if (element.child("cylinder") || element.child("capsule")) {
-      const bool is_cylinder = element.child("cylinder").has_value();
-      const XmlElement round = *element.child(is_cylinder ? "cylinder" : "capsule");
-      const auto radius = round.child("radius"), height = round.child("height");
-      if (!radius || !height) round.fail("it has no radius, or height", "Give both");
-      const auto radii = radius->text_numbers(0);
-      if (radii.empty()) radius->fail("it has no number", "Give one");
-      shape.kind = is_cylinder ? Shape::Kind::kCylinder : Shape::Kind::kCapsule;
-      shape.radius = length_ * *std::max_element(radii.begin(), radii.end());
-      shape.length = length_ * height->text_number();
-      // It stands along y there.
-      shape.X_LS.rotate(Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
-    } else {
-      element.drop("it is none of a mesh, box, sphere, cylinder, capsule");
+    auto shape = collada_solid(element, length_);
+    if (!shape) {
+      element.drop("it is none of a mesh, box, sphere, cylinder, capsule, plane");
       continue;
     }
-    shapes.push_back(std::move(shape));
+    // It stands along y there.
+    if (shape->kind == Shape::Kind::kCylinder || shape->kind == Shape::Kind::kCapsule) {
+      shape->X_LS.rotate(Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
+    }
+    shape->X_LS = X_LR * shape->X_LS;
+    for (const XmlElement& extra : element.children("extra")) {
+      const bool is_named = extra.attribute("type").value_or("") == "shape_info";
+      const auto own = extra.child("technique");
+      if (is_named && own && own->attribute("profile").value_or("") == "prehend") {
+        shape->name = extra.attribute("name").value_or("");
+      } else {
+        extra.drop("it is of its writer's own");
+      }
+    }
+    shapes.push_back(std::move(*shape));
   }
   return shapes;
 }
@@ -380,6 +380,7 @@ std::vector<Shape> ColladaShapes::shapes_of(const XmlElement& instance, const Ei
                                             const std::string& link) {
   Geometry& its = geometry_of(instance);
   std::vector<Shape> shapes;
+  const std::string own_name = instance.attribute("name").value_or("");
   std::map<std::string, XmlElement> materials;  // by symbol
   if (const auto bind = instance.child("bind_material")) {
     if (const auto technique = bind->child("technique_common")) {
@@ -395,11 +396,16 @@ std::vector<Shape> ColladaShapes::shapes_of(const XmlElement& instance, const Ei
   }
   for (Part& part : its.parts) {
     Shape shape;
+    shape.name = own_name;
     shape.kind = Shape::Kind::kMesh;
     shape.surface = part.surface;
-    if (part.name.empty()) part.name = fmt::format("{}_{}", link, counts_[link]++);
-    shape.mesh = part.name;
-    if (is_rigid(X_LG.linear())) {
+    if (its.primitive && is_rigid(X_LG.linear())) {
+      shape = *its.primitive;
+      shape.name = own_name;
+      shape.X_LS = rigid(X_LG) * shape.X_LS;
+    } else if (is_rigid(X_LG.linear())) {
+      if (part.name.empty()) part.name = fmt::format("{}_{}", link, counts_[link]++);
+      shape.mesh = part.name;
       shape.X_LS = rigid(X_LG);
     } else {
       TriangleMesh turned = *part.surface;
@@ -500,9 +506,12 @@ ColladaShapes::Geometry& ColladaShapes::geometry_of(const XmlElement& instance) 
     }
     technique->attribute("profile");
     result.is_seen = bool_in(technique->child("visible"), true);
-    collada_steps(*technique, length);  // of the primitive
-    for (const char* primitive : {"half_extents", "radius", "height"}) {
-      if (const auto one = technique->child(primitive)) one->drop("the mesh itself is kept");
+    result.primitive = collada_solid(*technique, length);
+    const bool is_it = result.primitive && result.parts.size() == 1 &&
+                       is_same_solid(*result.primitive, *result.parts[0].surface);
+    if (result.primitive && !is_it) {
+      technique->drop("its mesh is kept, which is no such solid");
+      result.primitive.reset();
     }
   }
   return geometries_.emplace(url, std::move(result)).first->second;

@@ -60,6 +60,7 @@ class ColladaShapes {
   struct Geometry {
     std::vector<Part> parts;
     bool is_seen = true;
+    std::optional<Shape> primitive;  // that the mesh is, as OpenRAVE's "geometry_info" says
   };
   struct Binding {
     std::vector<std::string> path;  // ids and sids, that of the bound one last

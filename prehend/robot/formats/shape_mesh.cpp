@@ -34,6 +34,33 @@ geometry::TriangleMesh capsule(double radius, double length) {
 
 bool has_file(const Shape& shape) { return shape.kind == Shape::Kind::kMesh && !shape.surface; }
 
+/// Shapes of one file have one mesh.
+void load_meshes(RobotDescription& robot, ShapeMeshes& meshes, LossReport& loss) {
+  std::map<std::string, std::shared_ptr<const geometry::TriangleMesh>> loaded;
+  for (LinkDescription& link : robot.links) {
+    for (auto* shapes : {&link.visuals, &link.collisions}) {
+      for (Shape& shape : *shapes) {
+        if (!has_file(shape)) continue;
+        auto& mesh = loaded[shape.mesh];
+        if (!mesh) {
+          try {
+            mesh = std::make_shared<const geometry::TriangleMesh>(meshes.read(shape.mesh));
+          } catch (const geometry::InputError& error) {
+            loss.drop("link '" + link.name + "'", "mesh '" + shape.mesh + "'", error.problem());
+            continue;
+          }
+          const std::string ending = fs::path(shape.mesh).extension().string();
+          if (ending != ".stl" && ending != ".STL") {  // which have none
+            loss.approximate("link '" + link.name + "'", "mesh '" + shape.mesh + "'",
+                             "its surface, without colours and textures of its own");
+          }
+        }
+        shape.surface = mesh;
+      }
+    }
+  }
+}
+
 /// A file's name of words that may have any sign in them.
 std::string plain(const std::string& words) {
   std::string name;
@@ -87,6 +114,10 @@ std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const fs::path& f
   ShapeMeshes meshes(from);
   const std::string folder = plain(name) + "_meshes";
   std::set<std::string> used;
+  if (taken == TakenMeshes::kEmbedded) {
+    load_meshes(robot, meshes, loss);
+    return result;
+  }
   std::map<std::pair<std::string, const void*>, std::string> written;
   for (LinkDescription& link : robot.links) {
     for (auto* shapes : {&link.visuals, &link.collisions}) {

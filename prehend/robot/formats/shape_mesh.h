@@ -40,10 +40,12 @@ enum class TakenMeshes {
   kForeign,  // those within the robot's file, and those that other programs rarely read: Inventor,
              // VRML
   kAll,
+  kEmbedded,  // none: all are loaded, to be within the robot's file
 };
 
 /// Meshes as STL files of the folder `name`_meshes, after which the shapes are named; `loss` says
-/// of each. What cannot be read stays as it is named, from the folder `from`.
+/// of each. What cannot be read stays as it is named, from the folder `from`. Of kEmbedded there
+/// are no files: the shapes have the meshes themselves.
 std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const std::filesystem::path& from,
                                       const std::string& name, LossReport& loss,
                                       TakenMeshes taken = TakenMeshes::kForeign);

@@ -600,7 +600,7 @@ TEST(RollPitchYaw, OfEveryRotationGivesItBack) {
   }
 }
 
-/// All files of others that are read go through both formats that are written, and do the same.
+/// All files of others that are read go through formats that are written, and do the same.
 TEST_F(Formats, FilesOfOthersComeBackAsTheyWere) {
   const char* shared = std::getenv("PREHEND_SHARED_DATA");
   if (!shared || !fs::is_directory(fs::path(shared) / "models")) GTEST_SKIP() << "no shared models";
@@ -621,7 +621,7 @@ TEST_F(Formats, FilesOfOthersComeBackAsTheyWere) {
         continue;  // parts, worlds, faults that are wanted
       }
       ++read_files;
-      for (const char* format : {"urdf", "sdf"}) {
+      for (const char* format : {"urdf", "sdf", "collada"}) {
         RobotDescription again;
         try {
           again = written_and_read(robot, format);
