@@ -61,6 +61,47 @@ std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& plat
   };
 }
 
+std::function<bool(const RigidTransform&)> arm_reach_over_table(
+    const robot::Platform& platform, const PlatformScene& scene,
+    const PlatformPickOptions& options) {
+  struct Arm {
+    robot::InverseKinematics inverse;
+    motion::RobotSpheres balls;
+    motion::CollisionWorld table;
+    double margin;
+
+    bool is_clear(const robot::Positions& q) const {
+      thread_local std::vector<Eigen::Vector3d> centers;
+      balls.centers(inverse.chain(), q, centers);
+      for (std::size_t i = 0; i < centers.size(); ++i) {
+        if (table.touches(centers[i], balls.spheres[i].radius, margin)) return false;
+      }
+      return true;
+    }
+  };
+  robot::RobotModel model = platform.model;
+  for (robot::Link& link : model.links) {
+    if (link.name.starts_with("hand_")) link.shapes.clear();  // it is not looked at
+  }
+  const auto arm = std::make_shared<Arm>(Arm{
+      robot::InverseKinematics(platform.arm_chain(),
+                               robot::InverseOptions{.elbow_angles = kElbowAngles}),
+      motion::make_robot_spheres(model, platform.base, platform.flange, options.sphere_resolution),
+      world_of(platform, scene), options.margin});
+  const int joints = arm->inverse.chain().size();
+  std::erase_if(arm->balls.spheres, [joints](const motion::RobotSphere& ball) {
+    return ball.joint < 0 || motion::part_of_ball(ball, false, joints) != motion::Part::kArm;
+  });
+  for (const std::string& name : arm->table.names()) {
+    if (name != kTableName) arm->table.remove(name);
+  }
+  return [shared = std::shared_ptr<const Arm>(arm), X_BW = platform.X_WB.inverse(),
+          X_HF = platform.X_FH.inverse()](const RigidTransform& X_WH) {
+    const auto solutions = shared->inverse.solve(X_BW * X_WH * X_HF).solutions;
+    return std::ranges::any_of(solutions, [&](const auto& q) { return shared->is_clear(q); });
+  };
+}
+
 grasp::Reachability within_reach(grasp::Reachability reachability,
                                  const robot::Platform& platform) {
   if (!reachability.approach_W) {

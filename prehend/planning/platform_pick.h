@@ -79,6 +79,14 @@ struct PlatformPick {
 std::function<bool(const geometry::RigidTransform& X_WH)> arm_reach(
     const robot::Platform& platform);
 
+/// The same, with the arm's own links (not the hand, nor the link that carries it) clear of the
+/// table of `scene`, as plan_platform_pick() by these options tests them. Else a planner keeps
+/// grasps of low things from the side that look alike and that no arm comes to. Everything else in
+/// the scene is left out: what closes on it, and paths, look at that.
+std::function<bool(const geometry::RigidTransform& X_WH)> arm_reach_over_table(
+    const robot::Platform& platform, const PlatformScene& scene,
+    const PlatformPickOptions& options);
+
 /// With the direction of approach of a platform that can take no other
 /// (Platform::fixed_approach()), where none is given.
 grasp::Reachability within_reach(grasp::Reachability reachability, const robot::Platform& platform);

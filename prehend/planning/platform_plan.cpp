@@ -142,8 +142,9 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   grasp::Obstacles obstacles;
   obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
   const grasp::Reachability reach = within_reach(reachability, platform_);
-  const grasp::PlannerOptions reaching = within_reach(options.grasps, platform_);
   const PlatformScene scene{table_W, object.convex_pieces_W, neighbours.pieces_W};
+  grasp::PlannerOptions reaching = options.grasps;
+  reaching.reaches = arm_reach_over_table(platform_, scene, options.arm);
   if (options.viewing) {
     options.arm.inspection =
         HeldInspection{*options.viewing, surface_patches(object), object.mesh_W, options.views};

@@ -1,10 +1,14 @@
 #include "prehend/planning/platform_pick.h"
 
+#include <algorithm>
+#include <random>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/inverse_kinematics.h"
+#include "prehend/robot/link_mesh.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::planning {
@@ -231,6 +235,61 @@ TEST_P(PlatformPickTest, RefusesWhatIsNone) {
   EXPECT_THROW(plan_platform_pick(platform, home(), {grasp}, scene), geometry::InputError);
   scene.object_pieces_W.clear();
   EXPECT_THROW(plan_platform_pick(platform, home(), {}, scene), std::invalid_argument);
+}
+
+// Against the links' own shapes, with slack for the balls that stand for them.
+TEST_P(PlatformPickTest, ReachesWhereTheArmIsClearOfTheTable) {
+  const robot::KinematicChain chain = platform.arm_chain();
+  const robot::InverseKinematics inverse(chain, robot::InverseOptions{.elbow_angles = 8});
+  const auto by_arm = arm_reach(platform);
+  const auto over_table = arm_reach_over_table(platform, scene, {});
+  // How far the lowest point of the arm's links is over the table; the base and the last link
+  // aside.
+  const auto height = [&](const robot::Positions& q) {
+    std::vector<RigidTransform> X_WL(platform.model.links.size(), platform.X_WB);
+    std::vector<bool> counts(platform.model.links.size(), false);
+    double least = 10;
+    for (const robot::Joint& joint : platform.model.joints) {
+      const auto at = std::ranges::find(chain.joints(), joint.name, &robot::ChainJoint::name);
+      const auto parent = static_cast<std::size_t>(joint.parent),
+                 child = static_cast<std::size_t>(joint.child);
+      const auto index = at - chain.joints().begin();
+      const bool is_of_chain = at != chain.joints().end();
+      X_WL[child] = X_WL[parent] * joint.pose_at(is_of_chain ? q[index] : 0);
+      counts[child] = is_of_chain ? index + 1 < chain.size() : counts[parent];
+      if (!counts[child]) continue;
+      const auto mesh = robot::link_mesh(platform.model.links[child]);
+      for (const auto& p_L : mesh.vertices) least = std::min(least, (X_WL[child] * p_L).z());
+    }
+    return least;
+  };
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int refused = 0, taken = 0;
+  for (int i = 0; i < 50000 && refused + taken < 400; ++i) {
+    robot::Positions somewhere = chain.middle();
+    for (int k = 0; k < chain.size(); ++k) {
+      const robot::ChainJoint& joint = chain.joints()[static_cast<std::size_t>(k)];
+      somewhere[k] += 0.5 * unit(random) * (joint.upper - joint.lower);
+    }
+    const RigidTransform X_WH = platform.X_WB * chain.forward(somewhere) * platform.X_FH;
+    const Eigen::Vector3d p = X_WH.translation();
+    if (p.head<2>().norm() > 0.4 || p.z() < 0 || p.z() > 0.4) continue;  // the table has an end
+    const auto solutions =
+        inverse.solve(platform.X_WB.inverse() * X_WH * platform.X_FH.inverse()).solutions;
+    double best = -10;  // m
+    for (const auto& q : solutions) best = std::max(best, height(q));
+    ASSERT_EQ(by_arm(X_WH), !solutions.empty());
+    if (over_table(X_WH)) {
+      ++taken;
+      EXPECT_GT(best, 0) << i;
+    } else if (!solutions.empty()) {
+      ++refused;
+      EXPECT_LT(best, 0.1) << i;  // a margin and what balls of 40 mm are larger
+    }
+  }
+  EXPECT_GT(taken, 0);
+  EXPECT_GT(refused + taken, 50);
 }
 
 INSTANTIATE_TEST_SUITE_P(Platforms, PlatformPickTest,
