@@ -13,6 +13,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/uniform_inertial.h"
 #include "prehend/robot/learning/hand_shapes.h"
+#include "prehend/robot/learning/joint_offsets.h"
 #include "prehend/text/nearest_match.h"
 
 namespace prehend::robot::learning {
@@ -135,6 +136,7 @@ class Cutter {
     take_links();
     complete_shapes(part_.robot, meshes_, part_.said);
     complete_joints();
+    fold_offsets(part_.robot);
     complete_masses();
     return std::move(part_);
   }

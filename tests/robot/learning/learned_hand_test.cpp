@@ -15,6 +15,7 @@
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/grasp/closing/close_fingers.h"
 #include "prehend/robot/learning/arm_for_hand.h"
+#include "prehend/robot/learning/joint_offsets.h"
 #include "prehend/robot/learning/learned_hand.h"
 #include "prehend/robot/platform.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
+using formats::JointDescription;
 using geometry::InputError;
 using testing::Contains;
 using testing::HasSubstr;
@@ -276,6 +278,43 @@ TEST_F(LearnHand, PointsByWhichASimulatorCollidesAreNoPartOfAFinger) {
   }
   const LearnedHand slender = learn(robot(jaws("palm", "", kSlide) + tips));
   EXPECT_FALSE(says(slender, "left out"));
+}
+
+// Engines couple joints by a ratio alone.
+TEST_F(LearnHand, OffsetsOfFollowersAreWhereTheyStand) {
+  formats::RobotDescription robot;
+  robot.links = {{"a", {}, {}, {}}, {"b", {}, {}, {}}, {"c", {}, {}, {}}, {"d", {}, {}, {}}};
+  const auto add = [&](const std::string& name, const std::string& parent, const std::string& child,
+                       JointDescription::Kind kind) {
+    JointDescription joint;
+    joint.name = name;
+    joint.kind = kind;
+    joint.parent = parent;
+    joint.child = child;
+    joint.X_PJ.translation() = Vector3d(0.1, 0, 0);
+    joint.axis_J = Vector3d(0, 0.6, 0.8);
+    joint.lower = -1;
+    joint.upper = 1;
+    robot.joints.push_back(joint);
+  };
+  add("turn", "a", "b", JointDescription::Kind::kRevolute);
+  add("slide", "b", "c", JointDescription::Kind::kPrismatic);
+  add("last", "c", "d", JointDescription::Kind::kRevolute);
+  robot.joints[1].follows = formats::Follows{"turn", 0.5, 0.02};
+  robot.joints[2].follows = formats::Follows{"slide", 3, -0.3};
+  robot.postures = {{"open", "", {{"slide", 0.05}}}};
+  formats::RobotDescription folded = robot;
+  fold_offsets(folded);
+  for (const formats::JointDescription& joint : folded.joints) {
+    EXPECT_EQ(joint.follows ? joint.follows->offset : 0, 0) << joint.name;
+  }
+  for (const double q : {-0.5, 0.0, 0.7}) {
+    const auto before = link_poses(robot, {{"turn", q}}), after = link_poses(folded, {{"turn", q}});
+    for (const auto& [name, X] : before) EXPECT_TRUE(after.at(name).isApprox(X, 1e-12)) << name;
+  }
+  EXPECT_NEAR(*folded.joints[1].upper, 0.98, 1e-12);
+  EXPECT_NEAR(*folded.joints[2].lower, -1 - (3 * 0.02 - 0.3), 1e-12);
+  EXPECT_NEAR(folded.postures[0].positions.at("slide"), 0.03, 1e-12);
 }
 
 TEST_F(LearnHand, TheSameFileGivesTheSameBytes) {
