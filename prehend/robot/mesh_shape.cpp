@@ -32,6 +32,16 @@ std::optional<std::string> after(const std::string& name, const std::string& pre
   return name.substr(prefix.size());
 }
 
+/// `package://` and `model://` name what is in a package, and nothing beside it.
+void refuse_outside(const std::string& name, const std::string& package,
+                    const std::filesystem::path& rest) {
+  const std::filesystem::path normal = rest.lexically_normal();
+  const bool leaves = rest.is_absolute() || (!normal.empty() && *normal.begin() == "..");
+  if (!leaves && !package.empty() && package != "." && package != "..") return;
+  throw InputError("'" + name + "' leaves its package",
+                   "Name a file in the package, or one by its path");
+}
+
 /// Where a package's file may lie.
 std::vector<std::filesystem::path> package_places(const std::string& package,
                                                   const std::filesystem::path& rest,
@@ -136,7 +146,9 @@ std::filesystem::path find_mesh_file(const std::string& name, const std::filesys
   if (packed) {
     const std::size_t end = std::min(packed->find('/'), packed->size());
     const std::string rest = packed->substr(std::min(end + 1, packed->size()));
-    places = package_places(packed->substr(0, end), rest, folder);
+    const std::string package = packed->substr(0, end);
+    refuse_outside(name, package, rest);
+    places = package_places(package, rest, folder);
   } else {
     places.push_back(folder / after(name, "file://").value_or(name));
   }

@@ -16,6 +16,7 @@ namespace prehend::robot {
 /// lies in, `folder` or one above it, and in or as one of those that the environment's
 /// ROS_PACKAGE_PATH lists, parted by colons. What is no file anywhere: the first that was looked
 /// for, and `looked` lists all.
+/// @throws geometry::InputError for a name that leaves its package: package://a/../../b
 std::filesystem::path find_mesh_file(const std::string& name, const std::filesystem::path& folder,
                                      std::vector<std::filesystem::path>* looked = nullptr);
 

@@ -26,6 +26,16 @@ namespace fs = std::filesystem;
 using namespace prehend::robot::formats;
 using prehend::tools::ModelChoices;
 
+/// Without signs that a terminal obeys, which names in a file may have; lines stay.
+std::string shown(std::string text, bool has_lines = false) {
+  for (char& c : text) {
+    const auto sign = static_cast<unsigned char>(c);
+    const bool is_control = sign < 0x20 || sign == 0x7f;
+    if (is_control && !(has_lines && c == '\n')) c = '?';
+  }
+  return text;
+}
+
 void write_file(const fs::path& file, const std::string& text) {
   const fs::path partial = file.string() + ".partial";
   std::ofstream stream(partial, std::ios::binary);
@@ -79,7 +89,7 @@ int convert(const ModelChoices& choices) {
       choices.format.empty() ? format_for(choices.second) : format_named(choices.format);
   const RobotDescription robot = read_robot(choices.first, loss);
   const Written files = written(robot, format, choices.first, choices.second, loss);
-  fmt::print("{}", loss.text());
+  fmt::print("{}", shown(loss.text(), true));
   if (choices.strict && !loss.lossless()) {
     fmt::print(stderr,
                "model convert: something is lost, and --strict refuses that: {} is not "
@@ -135,19 +145,19 @@ int check(const ModelChoices& choices) {
   if (!choices.mended.empty()) {
     const RobotFormat& format = format_for(choices.mended);
     for (const std::string& words : mend_model(robot, fs::absolute(choices.first).parent_path())) {
-      fmt::print("mended: {}\n", words);
+      fmt::print("mended: {}\n", shown(words));
     }
     LossReport lost;
     written(robot, format, choices.first, choices.mended, lost).to(choices.mended);
-    fmt::print("{}", lost.text());
+    fmt::print("{}", shown(lost.text(), true));
   }
   const auto findings = check_model(robot, fs::absolute(choices.first).parent_path());
   int errors = 0;
   for (const ModelFinding& finding : findings) {
     const bool is_error = finding.level == ModelFinding::Level::kError;
     errors += is_error ? 1 : 0;
-    fmt::print("{}: {}: {}.{}\n", is_error ? "error" : "warning", finding.place, finding.what,
-               finding.mend.empty() ? "" : " " + finding.mend + ".");
+    fmt::print("{}: {}: {}.{}\n", is_error ? "error" : "warning", shown(finding.place),
+               shown(finding.what), finding.mend.empty() ? "" : " " + shown(finding.mend) + ".");
   }
   double mass = 0;
   int moving = 0;
@@ -158,7 +168,7 @@ int check(const ModelChoices& choices) {
   fmt::print(
       "{}: {} links, {} joints of which {} move by themselves, {:.4g} kg; {} errors, {} "
       "warnings\n",
-      robot.name, robot.links.size(), robot.joints.size(), moving, mass, errors,
+      shown(robot.name), robot.links.size(), robot.joints.size(), moving, mass, errors,
       findings.size() - static_cast<std::size_t>(errors));
   return errors > 0 ? 3 : 0;
 }
@@ -179,12 +189,14 @@ int diff(const ModelChoices& choices) {
   const RobotDescription first = read_robot(choices.first, first_loss);
   const RobotDescription second = read_robot(choices.second, second_loss);
   const ModelDifference found = difference(first, second, choices.samples);
-  for (const std::string& one : found.only_first) fmt::print("only {}: {}\n", choices.first, one);
-  for (const std::string& one : found.only_second) fmt::print("only {}: {}\n", choices.second, one);
-  for (const std::string& one : found.others) fmt::print("{}\n", one);
+  for (const std::string& one : found.only_first)
+    fmt::print("only {}: {}\n", choices.first, shown(one));
+  for (const std::string& one : found.only_second)
+    fmt::print("only {}: {}\n", choices.second, shown(one));
+  for (const std::string& one : found.others) fmt::print("{}\n", shown(one));
   fmt::print("at {} random positions links differ by at most {:.3g} m and {:.3g} rad{}\n",
              choices.samples, found.place, found.turn,
-             found.where.empty() ? "" : " ('" + found.where + "')");
+             found.where.empty() ? "" : " ('" + shown(found.where) + "')");
   constexpr double kSame = 1e-6;  // m, rad
   const bool is_same = found.only_first.empty() && found.only_second.empty() &&
                        found.others.empty() && found.place <= kSame && found.turn <= kSame;
@@ -216,7 +228,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "model {}: {}\n", choices.command, error.what());
+    fmt::print(stderr, "model {}: {}\n", choices.command, shown(error.what()));
     return 1;
   }
 }

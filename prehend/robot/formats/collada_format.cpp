@@ -167,6 +167,7 @@ class ColladaReader {
   void read_link(const XmlElement& element, const std::string& above,
                  const std::pair<std::string, RigidTransform>& hung, int depth) {
     if (depth > 200) element.fail("links are too deep in one another", "Mend it");
+    refuse_many_links(robot_.links.size() + 1, element.place());
     std::string name = element.attribute("name").value_or("");
     const std::string sid = element.attribute("sid").value_or("");
     if (full_names_.count(sid) != 0) name = full_names_.at(sid);

@@ -156,6 +156,7 @@ void ColladaShapes::read_bindings(const ColladaLinks& links) {
     std::string node = one.attribute("node").value_or("");
     if (node.starts_with("#")) node.erase(0, 1);
     one.child("param");
+    refuse_many_links(roots_.size() + 1, one.place());
     if (!split_path(node).empty()) roots_.push_back({split_path(node), links.root});
   }
   for (const XmlElement& one : instance->children("bind_joint_axis")) {
@@ -181,6 +182,7 @@ void ColladaShapes::read_bindings(const ColladaLinks& links) {
       one.drop("its joint '" + name + "' is not there");
       continue;
     }
+    refuse_many_links(axes_.size() + 1, one.place());
     axes_.push_back({path, link});
     bound_links_.insert(link);
   }

@@ -37,4 +37,15 @@ std::string head_of_file(const std::filesystem::path& file, std::size_t most) {
   return head;
 }
 
+void FileBudget::spend(const std::filesystem::path& file) {
+  constexpr std::size_t kMostFiles = 10000;
+  constexpr std::uintmax_t kMostBytes = 256 << 20;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  bytes_ += error ? 0 : size;
+  if (++files_ <= kMostFiles && bytes_ <= kMostBytes) return;
+  throw InputError(file.string() + ": the robot is read from more than 10,000 files, or 256 MiB",
+                   "Look whether its files name one another again and again");
+}
+
 }  // namespace prehend::robot::formats

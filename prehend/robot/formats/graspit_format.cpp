@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/file_text.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -86,7 +87,11 @@ std::optional<Variable> variable_of(const XmlElement& element) {
       R"(d(\d+)(?:\*([-+]?[0-9.eE]+))?(?:\+([-+]?[0-9.eE]+)|(-[0-9.eE]+))?)");
   std::string text = element.text();
   std::smatch match;
-  if (!std::regex_match(text, match, kForm)) return std::nullopt;
+  // The library's regular expressions call themselves for each sign.
+  constexpr std::size_t kLongest = 100;
+  if (text.size() > kLongest || !std::regex_match(text, match, kForm)) return std::nullopt;
+  constexpr std::ptrdiff_t kMostDigits = 6;
+  if (match[1].length() > kMostDigits) return std::nullopt;
   Variable variable;
   variable.motor = std::stoi(match[1]);
   if (match[2].matched) {
@@ -139,6 +144,7 @@ class GraspItReader {
  private:
   void read_motor(const XmlElement& element) {
     Motor motor;
+    refuse_many_links(motors_.size() + 1, element.place());
     motor.type = element.attribute("type").value_or("r").substr(0, 1)[0];
     const auto number = [&](const char* name) {
       const auto one = element.child(name);
@@ -163,7 +169,8 @@ class GraspItReader {
     link.name = name;
     const std::filesystem::path path = file_.parent_path() / "iv" / file;
     std::error_code error;
-    if (file.find("..") != std::string::npos || !std::filesystem::is_regular_file(path, error)) {
+    if (file.find("..") != std::string::npos || std::filesystem::path(file).is_absolute() ||
+        !std::filesystem::is_regular_file(path, error)) {
       loss_.drop(place, "body '" + file + "'", "the file is not there");
       return link;
     }
@@ -172,6 +179,7 @@ class GraspItReader {
       link.collisions = link.visuals;
       return link;
     }
+    files_.spend(path);
     TrackedXml document = TrackedXml::read(path, loss_);
     const XmlElement root = document.root();
     Shape shape = mesh_shape("");
@@ -247,6 +255,7 @@ class GraspItReader {
                  "Write Revolute, Prismatic, Universal, Ball or Fixed, and as many joints");
       }
       const std::string name = fmt::format("chain{}_link{}", number, links++);
+      refuse_many_links(robot_.links.size() + count->second, element.place());
       for (std::size_t i = 0; i < count->second; ++i) {
         JointDescription joint = joints[used++];
         joint.parent = above;
@@ -280,8 +289,7 @@ class GraspItReader {
                  "no link is moved by them");
     }
     for (const XmlElement& one : element.children("filter")) {
-      const auto link = static_cast<int>(one.text_number());
-      read_cell(one, fmt::format("chain{}_link{}", number, link));
+      read_cell(one, fmt::format("chain{}_link{:.0f}", number, std::trunc(one.text_number())));
     }
   }
 
@@ -350,11 +358,16 @@ class GraspItReader {
 
   // The first joint of a motor with factor 1, else the first, stands for it; others follow.
   void name_motors() {
+    std::map<std::string, JointDescription*> by_name;
+    for (JointDescription& joint : robot_.joints) by_name.emplace(joint.name, &joint);
+    std::vector<std::vector<const std::pair<std::string, Variable>*>> moved(motors_.size());
+    for (const auto& one : of_motor_) {
+      moved[static_cast<std::size_t>(one.second.motor)].push_back(&one);
+    }
     for (std::size_t i = 0; i < motors_.size(); ++i) {
       const std::pair<std::string, Variable>* leader = nullptr;
-      for (const auto& one : of_motor_) {
-        if (static_cast<std::size_t>(one.second.motor) != i) continue;
-        if (!leader || (leader->second.factor != 1 && one.second.factor == 1)) leader = &one;
+      for (const auto* one : moved[i]) {
+        if (!leader || (leader->second.factor != 1 && one->second.factor == 1)) leader = one;
       }
       if (!leader) {
         loss_.drop(root_.place(), fmt::format("motor d{}", i), "no joint is moved by it");
@@ -362,15 +375,15 @@ class GraspItReader {
       }
       robot_.actuators.push_back(
           {fmt::format("d{}", i), leader->first, 1 / leader->second.factor, {}, ""});
-      for (JointDescription& joint : robot_.joints) {
-        for (const auto& [name, variable] : of_motor_) {
-          if (name != joint.name || name == leader->first ||
-              static_cast<std::size_t>(variable.motor) != i) {
-            continue;
-          }
-          joint.follows = Follows{leader->first, variable.factor / leader->second.factor, 0};
+      for (const auto* one : moved[i]) {
+        const auto joint = by_name.find(one->first);
+        if (joint == by_name.end()) continue;  // no link is moved by it
+        if (one == leader) {
+          joint->second->break_away.reset();
+        } else {
+          joint->second->follows =
+              Follows{leader->first, one->second.factor / leader->second.factor, 0};
         }
-        if (joint.name == leader->first) joint.break_away.reset();
       }
       if (motors_[i].type == 'c') {
         loss_.approximate(root_.place(), fmt::format("compliant motor d{}", i),
@@ -399,8 +412,8 @@ class GraspItReader {
     const auto link_of = [&](const char* chain, const char* link) {
       const double number = element.needed_number(chain);
       return number < 0 ? std::string("palm")
-                        : fmt::format("chain{}_link{}", static_cast<int>(number),
-                                      static_cast<int>(element.needed_number(link)));
+                        : fmt::format("chain{:.0f}_link{:.0f}", std::trunc(number),
+                                      std::trunc(element.needed_number(link)));
     };
     robot_.disabled_collisions.emplace_back(link_of("body1_chain", "body1_link"),
                                             link_of("body2_chain", "body2_link"));
@@ -409,6 +422,7 @@ class GraspItReader {
   const XmlElement root_;
   const std::filesystem::path file_;
   LossReport& loss_;
+  FileBudget files_;
   RobotDescription robot_;
   std::vector<Motor> motors_;
   std::vector<std::pair<std::string, Variable>> of_motor_;  // joint and what moves it

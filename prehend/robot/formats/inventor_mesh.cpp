@@ -73,10 +73,20 @@ void refuse_rings(const std::filesystem::path& file, std::vector<std::filesystem
   text << stream.rdbuf();
   const std::string all = text.str();
   above.push_back(place);
-  static const std::regex kInclude(R"((?:File|WWWInline)\s*\{\s*name\s+\"?([^\s\"}]+))");
+  // Bounded, since the library's regular expressions call themselves for each sign.
+  static const std::regex kInclude(
+      R"((?:File|WWWInline|Texture2|ImageTexture)\s{0,99}\{\s{0,99}(?:name|filename|url)\s{1,99}\"?([^\s\"}]{1,999}))");
   for (std::sregex_iterator at(all.begin(), all.end(), kInclude), end; at != end; ++at) {
     const std::filesystem::path included = place.parent_path() / (*at)[1].str();
-    if (std::filesystem::is_regular_file(included, error)) refuse_rings(included, above);
+    if ((*at)[1].length() >= 999) {
+      throw InputError("'" + file.string() + "' names a file by more than 999 signs", kMend);
+    }
+    // Opening a pipe would wait for ever.
+    if (std::filesystem::is_other(included, error)) {
+      throw InputError("'" + included.string() + "' is no file", "Name one");
+    }
+    const bool is_part = (*at)[0].str().starts_with("File") || (*at)[0].str().starts_with("WWW");
+    if (is_part && std::filesystem::is_regular_file(included, error)) refuse_rings(included, above);
   }
   above.pop_back();
 }

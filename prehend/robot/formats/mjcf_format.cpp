@@ -15,6 +15,7 @@
 #include <mujoco/mujoco.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/mjcf_size.h"
 #include "prehend/robot/formats/mjcf_writer.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -75,6 +76,7 @@ class MjcfReader {
       link.inertial = inertial;
     }
     robot_.links.push_back(std::move(link));
+    link_of_body_.push_back(robot_.links.size() - 1);
     if (body == 0) return;
     std::string above = name_of(mjOBJ_BODY, m_.body_parentid[body], "body");
     RigidTransform X = pose_at(m_.body_pos + 3 * body, m_.body_quat + 4 * body);
@@ -205,11 +207,9 @@ class MjcfReader {
       const float* color = m_.mat_rgba + 4 * m_.geom_matid[geom];
       shape.color = {{color[0], color[1], color[2], color[3]}};
     }
-    for (LinkDescription& one : robot_.links) {
-      if (one.name != link) continue;
-      const bool collides = m_.geom_contype[geom] != 0 || m_.geom_conaffinity[geom] != 0;
-      (collides ? one.collisions : one.visuals).push_back(shape);
-    }
+    LinkDescription& one = robot_.links[link_of_body_[m_.geom_bodyid[geom]]];
+    const bool collides = m_.geom_contype[geom] != 0 || m_.geom_conaffinity[geom] != 0;
+    (collides ? one.collisions : one.visuals).push_back(std::move(shape));
   }
 
   void read_equalities() {
@@ -315,6 +315,7 @@ class MjcfReader {
   const std::string file_;
   LossReport& loss_;
   RobotDescription robot_;
+  std::vector<std::size_t> link_of_body_;
   std::set<int> seen_sites_;
 };
 
@@ -324,9 +325,13 @@ class Mjcf : public RobotFormat {
   bool recognises(const XmlElement& root) const override { return root.name() == "mujoco"; }
   std::string ending() const override { return ".mjcf"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
+    refuse_mjcf_bomb(file);
     std::array<char, 1000> error{};
+    // Its warnings, as of nan, would go into a file in the working folder.
+    void (*const warn)(const char*) = std::exchange(mju_user_warning, [](const char*) {});
     const Model model(mj_loadXML(file.string().c_str(), nullptr, error.data(), error.size()),
                       mj_deleteModel);
+    mju_user_warning = warn;
     for (char& c : error) {
       if (c == '\n') c = ' ';
     }

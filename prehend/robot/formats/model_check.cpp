@@ -18,6 +18,7 @@
 namespace prehend::robot::formats {
 namespace {
 
+using geometry::RigidTransform;
 using Kind = JointDescription::Kind;
 using Level = ModelFinding::Level;
 
@@ -38,6 +39,7 @@ class Checker {
     }
     for (const JointDescription& joint : robot_.joints) {
       if (joint.kind != Kind::kFixed) moved_.insert(joint.child);
+      joints_.emplace(joint.name, &joint);
     }
     for (const LinkDescription& link : robot_.links) {
       check_shapes(link);
@@ -178,8 +180,13 @@ class Checker {
       return add(Level::kError, place, "has a mesh of scale 0: '" + shape.mesh + "'", "Mend it");
     }
     if (shape.surface || !looked_.insert(shape.mesh).second) return;
-    std::vector<std::filesystem::path> looked;
-    const auto file = find_mesh_file(shape.mesh, folder_, &looked);
+    std::filesystem::path file;
+    try {
+      file = find_mesh_file(shape.mesh, folder_);
+    } catch (const geometry::InputError& problem) {
+      return add(Level::kError, place, "has a mesh that is not read: " + problem.problem(),
+                 "Name a file in its package, or one by its path");
+    }
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) {
       return add(Level::kError, place, "names a mesh that is not there: '" + shape.mesh + "'",
@@ -203,29 +210,40 @@ class Checker {
 
   void check_overlaps() {
     try {
-      for (const LinkOverlap& one : overlaps_at_rest(robot_, meshes_)) {
+      std::vector<std::string> remarks;
+      constexpr double kLeast = 1e-3;  // m
+      for (const LinkOverlap& one : overlaps_at_rest(robot_, meshes_, kLeast, &remarks)) {
         add(Level::kWarning, fmt::format("link '{}' and link '{}'", one.first, one.second),
             fmt::format("overlap by {:.1f} mm at rest", 1e3 * one.depth),
             "Allow them to touch (SRDF disable_collisions), or make the shapes smaller");
+      }
+      for (const std::string& remark : remarks) {
+        add(Level::kWarning, "robot", "is looked over for overlaps in part: " + remark,
+            "Give it collision shapes of fewer triangles");
       }
     } catch (const geometry::InputError&) {
       // The tree or its couplings are wrong, which is said already.
     }
   }
 
+  const JointDescription* named(const std::string& joint) const {
+    const auto found = joints_.find(joint);
+    return found == joints_.end() ? nullptr : found->second;
+  }
+
   void check_joint(const JointDescription& joint) {
     const std::string place = "joint '" + joint.name + "'";
     if (joint.follows) {
-      std::set<std::string> seen{joint.name};
-      const JointDescription* leader = robot_.joint(joint.follows->joint);
-      while (leader && leader->follows && seen.insert(leader->name).second) {
-        leader = robot_.joint(leader->follows->joint);
+      const JointDescription* leader = named(joint.follows->joint);
+      for (int i = 0; i < kMostLeaders && leader && leader->follows; ++i) {
+        leader = named(leader->follows->joint);
       }
       if (!leader) {
         add(Level::kError, place, "follows '" + joint.follows->joint + "', which is not there",
             "Name a joint of this robot");
       } else if (leader->follows) {
-        add(Level::kError, place, "follows itself in the end", "Let one of them move by itself");
+        add(Level::kError, place, "follows itself in the end, or over too many joints",
+            "Let one of them move by itself");
       }
     }
     if (!moves(joint)) return;
@@ -269,6 +287,7 @@ class Checker {
   std::vector<ModelFinding> findings_;
   std::set<std::string> moved_, looked_;
   std::map<std::string, Eigen::AlignedBox3d> extents_;  // by mesh
+  std::map<std::string, const JointDescription*> joints_;
 };
 
 }  // namespace
@@ -318,41 +337,61 @@ std::vector<std::string> mend_model(RobotDescription& robot, const std::filesyst
   return mended;
 }
 
+namespace {
+
+/// Within its limits where they are a range that a joint has, else within those of any.
+double random_position(const JointDescription& joint, std::mt19937& random) {
+  const double unlimited = joint.kind == Kind::kRevolute ? std::numbers::pi : 1.0;
+  double lower = joint.lower.value_or(-unlimited), upper = joint.upper.value_or(unlimited);
+  constexpr double kLong = 1e4;  // rad or m
+  if (std::abs(lower) > kLong) lower = -unlimited;
+  if (std::abs(upper) > kLong) upper = unlimited;
+  if (lower > upper) std::swap(lower, upper);
+  return std::uniform_real_distribution<double>(lower, upper)(random);
+}
+
+}  // namespace
+
 ModelDifference difference(const RobotDescription& first, const RobotDescription& second,
                            int samples) {
   ModelDifference result;
-  const auto compare_names = [&](const auto& one, const auto& other, const char* kind,
-                                 std::vector<std::string>& only) {
-    for (const auto& item : one) {
-      if (std::none_of(other.begin(), other.end(),
-                       [&](const auto& its) { return its.name == item.name; })) {
-        only.push_back(fmt::format("{} '{}'", kind, item.name));
-      }
+  const auto indices = [](const auto& items) {
+    std::map<std::string, std::size_t> by_name;
+    for (std::size_t i = 0; i < items.size(); ++i) by_name.emplace(items[i].name, i);
+    return by_name;
+  };
+  const auto first_links = indices(first.links), second_links = indices(second.links);
+  const auto first_joints = indices(first.joints), second_joints = indices(second.joints);
+  const auto compare_names = [](const auto& items, const auto& others, const char* kind,
+                                std::vector<std::string>& only) {
+    for (const auto& item : items) {
+      if (others.count(item.name) == 0) only.push_back(fmt::format("{} '{}'", kind, item.name));
     }
   };
-  compare_names(first.links, second.links, "link", result.only_first);
-  compare_names(second.links, first.links, "link", result.only_second);
-  compare_names(first.joints, second.joints, "joint", result.only_first);
-  compare_names(second.joints, first.joints, "joint", result.only_second);
+  compare_names(first.links, second_links, "link", result.only_first);
+  compare_names(second.links, first_links, "link", result.only_second);
+  compare_names(first.joints, second_joints, "joint", result.only_first);
+  compare_names(second.joints, first_joints, "joint", result.only_second);
 
   std::mt19937 random(1);
+  const LinkPoses first_poses(first), second_poses(second);
   for (int sample = 0; sample < samples; ++sample) {
-    std::map<std::string, double> positions;
-    for (const JointDescription& joint : first.joints) {
+    std::vector<double> at(first.joints.size()), its(second.joints.size());
+    for (std::size_t i = 0; i < first.joints.size(); ++i) {
+      const JointDescription& joint = first.joints[i];
       if (!moves(joint) || joint.follows) continue;
-      const double unlimited = joint.kind == Kind::kRevolute ? std::numbers::pi : 1.0;
-      std::uniform_real_distribution<double> within(joint.lower.value_or(-unlimited),
-                                                    joint.upper.value_or(unlimited));
-      positions[joint.name] = within(random);
+      at[i] = random_position(joint, random);
+      const auto found = second_joints.find(joint.name);
+      if (found != second_joints.end()) its[found->second] = at[i];
     }
-    const auto one = link_poses(first, positions), other = link_poses(second, positions);
-    for (const auto& [name, X] : one) {
-      const auto found = other.find(name);
-      if (found == other.end()) continue;
-      const double place = (X.translation() - found->second.translation()).norm();
-      const double turn =
-          Eigen::AngleAxisd(X.linear().transpose() * found->second.linear()).angle();
-      if (place > result.place || turn > result.turn) result.where = name;
+    const auto one = first_poses.at(at), other = second_poses.at(its);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      const auto found = second_links.find(first.links[i].name);
+      if (found == second_links.end()) continue;
+      const RigidTransform &X = one[i], &Y = other[found->second];
+      const double place = (X.translation() - Y.translation()).norm();
+      const double turn = Eigen::AngleAxisd(X.linear().transpose() * Y.linear()).angle();
+      if (place > result.place || turn > result.turn) result.where = first.links[i].name;
       result.place = std::max(result.place, place);
       result.turn = std::max(result.turn, turn);
     }
@@ -361,8 +400,9 @@ ModelDifference difference(const RobotDescription& first, const RobotDescription
     return std::abs(a - b) > 1e-9 * std::max({1.0, std::abs(a), std::abs(b)});
   };
   for (const LinkDescription& link : first.links) {
-    const LinkDescription* other = second.link(link.name);
-    if (!other) continue;
+    const auto found = second_links.find(link.name);
+    if (found == second_links.end()) continue;
+    const LinkDescription* other = &second.links[found->second];
     const double mass = link.inertial ? link.inertial->mass : 0;
     const double its = other->inertial ? other->inertial->mass : 0;
     if (differs(mass, its)) {
@@ -370,8 +410,9 @@ ModelDifference difference(const RobotDescription& first, const RobotDescription
     }
   }
   for (const JointDescription& joint : first.joints) {
-    const JointDescription* other = second.joint(joint.name);
-    if (!other) continue;
+    const auto found = second_joints.find(joint.name);
+    if (found == second_joints.end()) continue;
+    const JointDescription* other = &second.joints[found->second];
     const auto compare = [&](const char* what, const std::optional<double>& a,
                              const std::optional<double>& b) {
       if (a.has_value() != b.has_value() || (a && differs(*a, *b))) {

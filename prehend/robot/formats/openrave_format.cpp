@@ -1,6 +1,7 @@
 // OpenRAVE's own XML (its reader of 2009 to 2024), the format before COLLADA: bodies that stand in
 // their robot's frame, joints with an anchor, names in any case.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <regex>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/file_text.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -63,6 +65,9 @@ std::optional<Follows> follows_of(const std::string& formula) {
       R"(\s*([-+]?[0-9.eE]+)\s*\*\s*([A-Za-z_]\w*)\s*(?:([-+])\s*([0-9.eE]+))?\s*)");
   std::smatch match;
   const auto number = [](const std::string& text) { return parse_numbers(text, 1, text).front(); };
+  // The library's regular expressions call themselves for each sign.
+  constexpr std::size_t kLongest = 400;
+  if (formula.size() > kLongest) return std::nullopt;
   if (std::regex_match(formula, match, kForm)) {
     Follows follows{match[2], match[1] == "-" ? -1.0 : 1.0, 0};
     if (match[3] == "*") follows.multiplier *= number(match[4]);
@@ -83,6 +88,7 @@ class OpenRaveReader {
   explicit OpenRaveReader(LossReport& loss) : loss_(loss) {}
 
   void read_file(const std::filesystem::path& file, const std::string& prefix, int depth) {
+    files_.spend(file);
     TrackedXml document = TrackedXml::read(file, loss_);
     document.ignore_case();
     const XmlElement root = document.root();
@@ -176,6 +182,7 @@ class OpenRaveReader {
     auto known = std::find_if(robot_.links.begin(), robot_.links.end(),
                               [&](const auto& one) { return one.name == name; });
     if (known == robot_.links.end()) {
+      refuse_many_links(robot_.links.size() + 1, element.place());
       robot_.links.push_back({name, {}, {}, {}});
       known = robot_.links.end() - 1;
       poses_[name] = RigidTransform::Identity();
@@ -278,6 +285,7 @@ class OpenRaveReader {
   void read_joint(const XmlElement& element, const std::string& prefix) {
     JointDescription joint;
     joint.name = prefix + element.needed("name");
+    refuse_many_links(robot_.joints.size() + 1, element.place());
     const std::string type = element.attribute("type").value_or("hinge");
     const auto bodies = element.children("Body");
     if (bodies.size() != 2) element.fail("the joint has not two bodies", "Name parent and child");
@@ -411,6 +419,7 @@ class OpenRaveReader {
   }
 
   LossReport& loss_;
+  FileBudget files_;
   RobotDescription robot_;
   std::map<std::string, RigidTransform> poses_;  // of bodies, in the robot's frame, at zero
   std::string folder_;                           // of meshes

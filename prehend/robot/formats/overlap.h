@@ -22,8 +22,12 @@ struct LinkOverlap {
 /// together, pairs of `disabled_collisions`, and shapes that are not read or have no volume. Of
 /// links with many shapes the deepest overlap counts. Cost: boxes around the shapes are swept
 /// first; meshes are compared only where their hulls overlap. Some milliseconds of a hand of
-/// 100,000 triangles. @throws as link_poses()
+/// 100,000 triangles. Bounds: hulls have at most 500 vertices, those of rounder ones are the
+/// outermost of 480 directions, 0.4 % within; meshes of more than 200,000 triangles are thinned: by
+/// 1/100 of their extent, rough ones by more; where very many shapes are near one another, the
+/// first pairs are looked at. @param remarks says of the last two. @throws as link_poses()
 std::vector<LinkOverlap> overlaps_at_rest(const RobotDescription& robot, ShapeMeshes& meshes,
-                                          double least = 1e-3);
+                                          double least = 1e-3,
+                                          std::vector<std::string>* remarks = nullptr);
 
 }  // namespace prehend::robot::formats

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 #include <utility>
 
 #include "prehend/geometry/errors.h"
@@ -30,6 +31,12 @@ const JointDescription* RobotDescription::joint(const std::string& joint_name) c
   return found == joints.end() ? nullptr : &*found;
 }
 
+void refuse_many_links(std::size_t count, const std::string& place) {
+  if (count <= kMostLinks) return;
+  throw InputError(place + " has more than " + std::to_string(kMostLinks) + " links or joints",
+                   "No robot has so many: check the file, or split it");
+}
+
 std::vector<std::string> roots(const RobotDescription& robot) {
   std::set<std::string> held;
   for (const JointDescription& joint : robot.joints) held.insert(joint.child);
@@ -42,6 +49,7 @@ std::vector<std::string> roots(const RobotDescription& robot) {
 
 std::vector<std::string> tree_order(const RobotDescription& robot) {
   if (robot.links.empty()) throw InputError("The robot has no link", "Name a file that has some");
+  refuse_many_links(std::max(robot.links.size(), robot.joints.size()), "The robot");
   std::set<std::string> names, joint_names;
   for (const LinkDescription& link : robot.links) {
     if (!names.insert(link.name).second) {
@@ -82,48 +90,72 @@ std::vector<std::string> tree_order(const RobotDescription& robot) {
   return order;
 }
 
-namespace {
-
-double position_of(const RobotDescription& robot, const JointDescription& joint,
-                   const std::map<std::string, double>& positions, int depth) {
-  if (joint.follows) {
-    const JointDescription* leader = robot.joint(joint.follows->joint);
-    constexpr int kDeepest = 64;
-    if (!leader || depth > kDeepest) {
-      throw InputError("Joint '" + joint.name + "' follows '" + joint.follows->joint +
-                           (leader ? "' in a circle" : "', which is not there"),
-                       "Name a joint that moves by itself");
-    }
-    return joint.follows->multiplier * position_of(robot, *leader, positions, depth + 1) +
-           joint.follows->offset;
+LinkPoses::LinkPoses(const RobotDescription& robot) : joints_(robot.joints) {
+  std::unordered_map<std::string, int> links, joints;
+  for (const LinkDescription& link : robot.links) {
+    links.emplace(link.name, static_cast<int>(links.size()));
   }
-  const auto found = positions.find(joint.name);
-  return found == positions.end() ? 0 : found->second;
+  for (const std::string& name : tree_order(robot)) order_.push_back(links.at(name));
+  joint_above_.assign(robot.links.size(), -1);
+  for (const JointDescription& joint : joints_) {
+    const int index = static_cast<int>(joints.size());
+    joints.emplace(joint.name, index);
+    joint_above_[static_cast<std::size_t>(links.at(joint.child))] = index;
+    parent_.push_back(links.at(joint.parent));
+  }
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    Leader leader{static_cast<int>(i), 1, 0};
+    const JointDescription* joint = &joints_[i];
+    for (int depth = 0; joint->follows; ++depth) {
+      const auto found = joints.find(joint->follows->joint);
+      if (found == joints.end() || depth > kMostLeaders) {
+        throw InputError("Joint '" + joint->name + "' follows '" + joint->follows->joint +
+                             (found == joints.end() ? "', which is not there" : "' in a circle"),
+                         "Name a joint that moves by itself");
+      }
+      leader.offset += leader.multiplier * joint->follows->offset;
+      leader.multiplier *= joint->follows->multiplier;
+      leader.joint = found->second;
+      joint = &joints_[static_cast<std::size_t>(leader.joint)];
+    }
+    leaders_.push_back(leader);
+  }
 }
 
-}  // namespace
+std::vector<RigidTransform> LinkPoses::at(const std::vector<double>& positions) const {
+  std::vector<RigidTransform> poses(joint_above_.size(), RigidTransform::Identity());
+  for (const int link : order_) {
+    const int above = joint_above_[static_cast<std::size_t>(link)];
+    if (above < 0) continue;
+    const auto index = static_cast<std::size_t>(above);
+    const JointDescription& joint = joints_[index];
+    const Leader& leader = leaders_[index];
+    const double q =
+        leader.multiplier * positions[static_cast<std::size_t>(leader.joint)] + leader.offset;
+    RigidTransform X = joint.X_PJ;
+    if (joint.kind == JointDescription::Kind::kRevolute) {
+      X.rotate(Eigen::AngleAxisd(q, joint.axis_J));
+    } else if (joint.kind == JointDescription::Kind::kPrismatic) {
+      X.translate(q * joint.axis_J);
+    }
+    poses[static_cast<std::size_t>(link)] =
+        poses[static_cast<std::size_t>(parent_[index])] * X * joint.X_JC;
+  }
+  return poses;
+}
 
 std::map<std::string, RigidTransform> link_poses(const RobotDescription& robot,
                                                  const std::map<std::string, double>& positions) {
-  std::map<std::string, RigidTransform> poses;
-  std::map<std::string, const JointDescription*> above;
-  for (const JointDescription& joint : robot.joints) above[joint.child] = &joint;
-  for (const std::string& name : tree_order(robot)) {
-    const auto found = above.find(name);
-    if (found == above.end()) {
-      poses[name] = RigidTransform::Identity();
-      continue;
-    }
-    const JointDescription& joint = *found->second;
-    RigidTransform X = joint.X_PJ;
-    if (joint.kind == JointDescription::Kind::kRevolute) {
-      X.rotate(Eigen::AngleAxisd(position_of(robot, joint, positions, 0), joint.axis_J));
-    } else if (joint.kind == JointDescription::Kind::kPrismatic) {
-      X.translate(position_of(robot, joint, positions, 0) * joint.axis_J);
-    }
-    poses[name] = poses.at(joint.parent) * X * joint.X_JC;
+  const LinkPoses tree(robot);
+  std::vector<double> at;
+  for (const JointDescription& joint : robot.joints) {
+    const auto found = positions.find(joint.name);
+    at.push_back(found == positions.end() ? 0 : found->second);
   }
-  return poses;
+  const auto poses = tree.at(at);
+  std::map<std::string, RigidTransform> by_name;
+  for (std::size_t i = 0; i < poses.size(); ++i) by_name.emplace(robot.links[i].name, poses[i]);
+  return by_name;
 }
 
 }  // namespace prehend::robot::formats

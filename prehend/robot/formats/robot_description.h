@@ -123,15 +123,52 @@ struct RobotDescription {
   const JointDescription* joint_above(const std::string& link_name) const;
 };
 
+/// Robots have tens of links, chains that stand for ropes hundreds; much here looks at pairs of
+/// them.
+constexpr std::size_t kMostLinks = 10000;
+/// @throws geometry::InputError where there are more links, or joints, than that
+/// @param place for the words: the file, the robot
+void refuse_many_links(std::size_t count, const std::string& place);
+
 /// Links that no joint holds, in their order: the first is the root, others are beside it, as in
 /// formats whose links stand in the robot's frame.
 std::vector<std::string> roots(const RobotDescription& robot);
 
 /// The links in an order in which parents come first, by joints that make a tree.
-/// @throws geometry::InputError naming link or joint: none at all, two of a name, a joint of a link
-/// that is not there, a link with two joints above it, none without one, or several, links in a
-/// ring.
+/// @throws geometry::InputError naming link or joint: none at all, more than kMostLinks, two of a
+/// name, a joint of a link that is not there, a link with two joints above it, none without one, or
+/// several, links in a ring.
 std::vector<std::string> tree_order(const RobotDescription& robot);
+
+/// A joint that follows one that follows one, and so on: at most so many, else it is a circle.
+constexpr int kMostLeaders = 64;
+
+/// Where links are at many positions: what is the same of them is found once.
+class LinkPoses {
+ public:
+  /// @throws as tree_order(), and for a joint that follows one that is not there, or itself
+  explicit LinkPoses(const RobotDescription& robot);
+
+  /// By link, in the robot's order, in the first root's frame.
+  /// @param positions [rad or m] by joint, in the robot's order; of those that follow unused. Ball,
+  /// floating and planar joints are at 0.
+  std::vector<geometry::RigidTransform> at(const std::vector<double>& positions) const;
+  /// Of the joint by which each link hangs, -1 at the root; and of each joint's parent link.
+  const std::vector<int>& joint_above() const { return joint_above_; }
+  const std::vector<int>& parent() const { return parent_; }
+  const std::vector<int>& order() const { return order_; }
+  /// By joint: whose position it takes (its own where it follows none), and how.
+  struct Leader {
+    int joint = 0;
+    double multiplier = 1, offset = 0;
+  };
+  const std::vector<Leader>& leaders() const { return leaders_; }
+
+ private:
+  std::vector<JointDescription> joints_;
+  std::vector<int> order_, joint_above_, parent_;
+  std::vector<Leader> leaders_;
+};
 
 /// Where each link is, in the first link's frame, with joints at `positions` [rad or m]; those that
 /// are not named are at 0, those that follow where they follow to. Ball, floating and planar joints

@@ -1,6 +1,7 @@
 #include "prehend/robot/formats/robot_format.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <tinyxml2.h>
 
@@ -27,6 +28,41 @@ std::string joined(const std::vector<std::string>& words) {
   std::string all;
   for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
   return all;
+}
+
+/// Numbers of a file may be finite, as 1e308 is, and what is made of them not.
+void refuse_what_is_beyond_measure(const RobotDescription& robot, const std::string& file) {
+  const auto fail = [&](const std::string& what, const std::string& mend) {
+    throw InputError(file + ": " + what, mend);
+  };
+  // So far below all numbers' end that what is made of them is finite, too; not of nan.
+  constexpr double kMost = 1e100;
+  const auto is_sound = [](const auto& numbers) { return numbers.cwiseAbs().maxCoeff() < kMost; };
+  const char* const kMend = "Mend its numbers: lengths are in metres";
+  for (const LinkDescription& link : robot.links) {
+    bool is_fine = !link.inertial ||
+                   (is_sound(link.inertial->X_LI.matrix()) && is_sound(link.inertial->inertia) &&
+                    std::abs(link.inertial->mass) < kMost);
+    for (const auto* shapes : {&link.visuals, &link.collisions}) {
+      for (const Shape& shape : *shapes) {
+        is_fine = is_fine && is_sound(shape.X_LS.matrix()) && is_sound(shape.size) &&
+                  is_sound(shape.scale) && std::abs(shape.radius) < kMost &&
+                  std::abs(shape.length) < kMost;
+      }
+    }
+    if (!is_fine)
+      fail("link '" + link.name + "' has a mass, place or size beyond all measure", kMend);
+  }
+  using Kind = JointDescription::Kind;
+  for (const JointDescription& joint : robot.joints) {
+    const bool moves = joint.kind == Kind::kRevolute || joint.kind == Kind::kPrismatic;
+    if (!is_sound(joint.X_PJ.matrix()) || !is_sound(joint.X_JC.matrix())) {
+      fail("joint '" + joint.name + "' has a place beyond all measure", kMend);
+    }
+    if (moves && !(std::abs(joint.axis_J.norm() - 1) < 1e-3)) {
+      fail("joint '" + joint.name + "' has an axis that is no direction", "Give one of length 1");
+    }
+  }
 }
 
 }  // namespace
@@ -110,7 +146,9 @@ void move_meshes(RobotDescription& robot, const std::filesystem::path& from,
 }
 
 RobotDescription read_robot(const std::filesystem::path& file, LossReport& loss) {
-  return format_of(file).read(file, loss);
+  RobotDescription robot = format_of(file).read(file, loss);
+  refuse_what_is_beyond_measure(robot, file.string());
+  return robot;
 }
 
 }  // namespace prehend::robot::formats

@@ -50,7 +50,8 @@ const RobotFormat& format_for(const std::filesystem::path& file);
 void move_meshes(RobotDescription& robot, const std::filesystem::path& from,
                  const std::filesystem::path& to);
 
-/// Reads a file of any format.
+/// Reads a file of any format. @throws geometry::InputError as format_of() and read(); also where
+/// masses, places or sizes are 1e100 or more, or no numbers, after all that is made of them.
 RobotDescription read_robot(const std::filesystem::path& file, LossReport& loss);
 
 }  // namespace prehend::robot::formats

@@ -1,5 +1,6 @@
 // SDF 1.2 to 1.9 (http://sdformat.org/spec), one model, read; SDF 1.7 written.
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -164,11 +165,12 @@ class SdfReader {
                   pose_of(frame, frame.attribute("attached_to").value_or("")));
     }
     if (model_.child("pose")) pose_of(model_, "");  // where the model is in its world
-    for (const XmlElement& one : model_.children("link")) {
+    const auto links = model_.children("link"), joints = model_.children("joint");
+    refuse_many_links(std::max(links.size(), joints.size()), model_.place());
+    for (const XmlElement& one : links) {
       frames_.add(one.needed("name"), pose_of(one, ""));
       robot_.links.push_back(read_sdf_link(one, robot_));
     }
-    const auto joints = model_.children("joint");
     for (const XmlElement& one : joints) {
       const auto child = one.child("child");
       if (!child) one.fail("the joint has no child", "Name a link");

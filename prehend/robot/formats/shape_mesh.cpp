@@ -98,11 +98,14 @@ geometry::TriangleMesh ShapeMeshes::of(const Shape& shape) {
 }
 
 const geometry::TriangleMesh& ShapeMeshes::read(const std::string& name) {
-  const auto known = read_.find(name);
-  if (known != read_.end()) return known->second;
   const fs::path file = find_mesh_file(name, folder_);
+  // However it is called: ./a.stl is a.stl.
+  std::error_code error;
+  const std::string key = fs::weakly_canonical(file, error).string();
+  const auto known = read_.find(key);
+  if (known != read_.end()) return known->second;
   return read_
-      .emplace(name,
+      .emplace(key,
                is_inventor_file(file) ? read_inventor_mesh(file) : geometry::read_mesh_file(file))
       .first->second;
 }

@@ -27,7 +27,7 @@ class ShapeMeshes {
 
  private:
   std::filesystem::path folder_;
-  std::map<std::string, geometry::TriangleMesh> read_;
+  std::map<std::string, geometry::TriangleMesh> read_;  // by the file's own path
 };
 
 /// A mesh to be written, in metres; `file` is relative to the robot's.

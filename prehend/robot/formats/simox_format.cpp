@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/file_text.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 #include "prehend/robot/formats/xml_text.h"
@@ -116,6 +117,7 @@ class SimoxReader {
 
   /// @returns the file's root node
   std::string read_file(const std::filesystem::path& file, int depth) {
+    files_.spend(file);
     TrackedXml document = TrackedXml::read(file, loss_);
     document.ignore_case();
     const XmlElement root = document.root();
@@ -168,6 +170,7 @@ class SimoxReader {
   void read_node(const XmlElement& node, const std::filesystem::path& file, int depth) {
     LinkDescription link;
     link.name = node.needed("name");
+    refuse_many_links(robot_.links.size() + 1, node.place());
     JointDescription joint;
     joint.name = joint.child = link.name;
     if (const auto transform = node.child("Transform")) joint.X_PJ = simox_transform(*transform);
@@ -291,6 +294,7 @@ class SimoxReader {
   }
 
   LossReport& loss_;
+  FileBudget files_;
   RobotDescription robot_;
   std::map<std::string, JointDescription> joints_;                 // by node
   std::map<std::string, std::string> parents_;                     // by child

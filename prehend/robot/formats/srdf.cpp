@@ -24,6 +24,7 @@ class SrdfReader {
  public:
   explicit SrdfReader(RobotDescription& robot) : robot_(robot) {
     for (JointDescription& joint : robot.joints) above_[joint.child] = &joint;
+    for (const LinkDescription& link : robot.links) links_.insert(link.name);
   }
 
   void read(const XmlElement& root) {
@@ -34,7 +35,7 @@ class SrdfReader {
     for (const XmlElement& one : root.children("disable_collisions")) {
       const std::string first = one.needed("link1"), second = one.needed("link2");
       one.attribute("reason");
-      if (!robot_.link(first) || !robot_.link(second)) {
+      if (links_.count(first) == 0 || links_.count(second) == 0) {
         one.drop("its links are not there");
         continue;
       }
@@ -84,6 +85,9 @@ class SrdfReader {
     const XmlElement& element = found->second;
     constexpr int kDeepest = 32;
     if (depth > kDeepest) element.fail("groups are in a ring", "Leave one of them away");
+    // Groups that name one twice, which names one twice, would double each time.
+    constexpr std::size_t kMostVisits = 10000;
+    if (++visits_ > kMostVisits) element.fail("groups grow without end", "Name each once");
     used_.insert(name);
     for (const XmlElement& one : element.children("link")) {
       all.links.push_back(one.needed("name"));
@@ -109,6 +113,7 @@ class SrdfReader {
       LinkGroup part = group(one.needed("name"), depth + 1);
       all.links.insert(all.links.end(), part.links.begin(), part.links.end());
       all.joints.insert(all.joints.end(), part.joints.begin(), part.joints.end());
+      refuse_many_links(all.links.size(), one.place());
     }
     return all;
   }
@@ -139,7 +144,8 @@ class SrdfReader {
   RobotDescription& robot_;
   std::map<std::string, JointDescription*> above_;  // by child
   std::map<std::string, XmlElement> groups_;
-  std::set<std::string> used_;
+  std::set<std::string> used_, links_;
+  std::size_t visits_ = 0;  // of groups
 };
 
 }  // namespace

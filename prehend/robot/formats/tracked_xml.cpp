@@ -15,6 +15,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/archive.h"
 #include "prehend/robot/formats/file_text.h"
+#include "prehend/robot/formats/xml_size.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -113,6 +114,7 @@ TrackedXml::TrackedXml(const std::string& text, std::string file, LossReport& lo
   if (text.size() > kMostBytes) {
     throw InputError(state_->file + " is larger than 64 MiB: no robot's file", "Check the path");
   }
+  refuse_xml_bomb(text, state_->file);
   if (state_->document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS ||
       !state_->document.RootElement()) {
     const char* words = state_->document.ErrorStr();

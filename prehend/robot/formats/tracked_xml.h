@@ -61,7 +61,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count,
                                   const std::string& place);
 
 /// A document. Entities of its own are not expanded, so that none can grow; elements are at most
-/// 100 deep, a file has at most 64 MiB.
+/// 100 deep, a file has at most 64 MiB and a million elements and attributes.
 class TrackedXml {
  public:
   /// @throws geometry::InputError with file, line and what is wrong when it is no XML.

@@ -1,5 +1,6 @@
 // URDF (http://wiki.ros.org/urdf/XML), read and written.
 
+#include <algorithm>
 #include <array>
 #include <set>
 #include <utility>
@@ -424,10 +425,12 @@ class Urdf : public RobotFormat {
     for (const XmlElement& material : root.children("material")) {
       if (const auto color = color_of(material)) colors.by_name[material.needed("name")] = *color;
     }
-    for (const XmlElement& link : root.children("link")) {
+    const auto links = root.children("link"), joints = root.children("joint");
+    refuse_many_links(std::max(links.size(), joints.size()), file.string());
+    for (const XmlElement& link : links) {
       robot.links.push_back(read_urdf_link(link, colors));
     }
-    for (const XmlElement& joint : root.children("joint")) {
+    for (const XmlElement& joint : joints) {
       robot.joints.push_back(read_joint(joint));
     }
     for (const XmlElement& one : root.children("transmission")) read_transmission(one, robot);

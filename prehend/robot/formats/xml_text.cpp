@@ -22,6 +22,15 @@ std::string escaped(const std::string& text) {
       case '"':
         result += "&quot;";
         break;
+      case '\n':  // a reader makes a blank of it, where it is not said so
+        result += "&#10;";
+        break;
+      case '\r':
+        result += "&#13;";
+        break;
+      case '\t':
+        result += "&#9;";
+        break;
       default:
         result += c;
     }

@@ -10,7 +10,7 @@
 // Texts of XML files, so exact that what is read of them is what was written.
 namespace prehend::robot::formats {
 
-/// With <, >, & and quotes as entities.
+/// With <, >, &, quotes and ends of lines as entities.
 std::string escaped(const std::string& text);
 /// The shortest text that reads as the same number.
 std::string number_text(double number);

@@ -1,31 +1,31 @@
-// MJCF as it is written: MuJoCo's compiler reads it again, and it is the same robot.
+// MJCF, read; and as it is written: MuJoCo's compiler reads it again, and it is the same robot.
 
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include <gmock/gmock.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 #include "prehend/robot/formats/model_check.h"
-#include "prehend/robot/formats/robot_format.h"
 #include "prehend/robot/formats/shape_mesh.h"
+#include "tests/robot/formats/robot_files.h"
 
 namespace prehend::robot::formats {
 namespace {
 
 namespace fs = std::filesystem;
+using geometry::RigidTransform;
+using testing::HasSubstr;
 
-class Mjcf : public testing::Test {
+class Mjcf : public RobotFiles {
  protected:
   void SetUp() override {
     for (const auto& format : robot_formats()) {
       if (format->name() == "mjcf") format_ = format.get();
     }
     if (format_ == nullptr) GTEST_SKIP() << "built without MuJoCo";
-    fs::create_directories(folder_);
   }
-  void TearDown() override { fs::remove_all(folder_); }
   RobotDescription written_and_read(const fs::path& file, RobotDescription* given) {
     LossReport loss;
     *given = read_robot(file, loss);
@@ -36,8 +36,6 @@ class Mjcf : public testing::Test {
     return read_robot(folder_ / "x.mjcf", loss);
   }
   const RobotFormat* format_ = nullptr;
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("prehend_mjcf_" + std::to_string(::getpid()));
 };
 
 void expect_same_dynamics(const RobotDescription& given, const RobotDescription& again) {
@@ -68,6 +66,29 @@ void expect_same_dynamics(const RobotDescription& given, const RobotDescription&
       EXPECT_EQ(joint.effort, other->effort) << joint.name;
     }
   }
+}
+
+TEST_F(Mjcf, IsReadByMuJoCo) {
+  const RobotDescription robot = read("r.xml", R"(<mujoco model="m"><worldbody>
+    <body name="a" pos="0 0 1"><joint name="j" type="hinge" axis="0 1 0" pos="0 0 0.2" limited="true" range="-90 90" damping="0.3"/>
+      <geom type="capsule" size="0.02 0.1" mass="1.5"/>
+      <body name="b" pos="0.3 0 0"><joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>
+        <geom type="box" size="0.01 0.02 0.03"/><site name="s" size="0.01"/></body></body></worldbody>
+    <equality><joint joint1="y" joint2="x" polycoef="0.1 2 0 0 0"/></equality>
+    <actuator><motor name="m" joint="j" gear="5" forcelimited="true" forcerange="-3 3"/></actuator>
+    <sensor><touch site="s"/></sensor></mujoco>)");
+  EXPECT_NEAR(*robot.joint("j")->upper, std::numbers::pi / 2, 1e-9);
+  EXPECT_EQ(robot.joint("j")->damping, 0.3);
+  EXPECT_NEAR(*robot.joint("j")->effort, 15, 1e-12);
+  EXPECT_EQ(robot.joint("y")->follows->multiplier, 2);
+  EXPECT_EQ(robot.link("a")->inertial->mass, 1.5);
+  EXPECT_EQ(robot.sensors.size(), 1U);
+  // About a place 0.2 over its origin, by a right angle: z to x.
+  const auto poses = link_poses(robot, {{"j", std::numbers::pi / 2}, {"x", 0.05}});
+  EXPECT_TRUE(poses.at("a").translation().isApprox(Eigen::Vector3d(-0.2, 0, 1.2), 1e-9));
+  EXPECT_TRUE(poses.at("b").translation().isApprox(Eigen::Vector3d(-0.2, 0.2, 1.2 - 0.35), 1e-9))
+      << poses.at("b").translation().transpose();
+  EXPECT_THAT(error_of("n.xml", "<mujoco><option nonsense='1'/></mujoco>"), HasSubstr("MuJoCo"));
 }
 
 TEST_F(Mjcf, IsTheSameRobotOnceMore) {

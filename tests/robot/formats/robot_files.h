@@ -37,6 +37,14 @@ class RobotFiles : public testing::Test {
     }
     return {};
   }
+  /// What the format writes of it, read again.
+  RobotDescription written_and_read(const RobotDescription& robot,
+                                    const std::string& format) const {
+    LossReport unused;
+    const std::filesystem::path path = folder_ / ("again" + format_named(format).ending());
+    std::ofstream(path) << format_named(format).write(robot, unused);
+    return read_robot(path, unused);
+  }
   /// A file of the models that are not of this repository; empty: they are not there.
   static std::filesystem::path shared_model(const std::string& name) {
     const char* shared = std::getenv("PREHEND_SHARED_DATA");
