@@ -227,12 +227,15 @@ class MjcfReader {
         const std::string follower = name_of(mjOBJ_JOINT, m_.eq_obj1id[i], "joint");
         for (JointDescription& joint : robot_.joints) {
           if (joint.name != follower) continue;
-          joint.follows = Follows{name_of(mjOBJ_JOINT, m_.eq_obj2id[i], "joint"), data[1], data[0]};
+          constexpr int kCoefficients = 5;  // q - q0 of positions at 0, from which ours count, too
+          Follows follows{name_of(mjOBJ_JOINT, m_.eq_obj2id[i], "joint"), data[1], data[0]};
+          follows.coefficients.assign(data, data + kCoefficients);
+          while (follows.coefficients.size() > 2 && follows.coefficients.back() == 0) {
+            follows.coefficients.pop_back();
+          }
+          joint.follows = std::move(follows);
         }
         loss_.keep("equality/joint");
-        if (data[2] != 0 || data[3] != 0 || data[4] != 0) {
-          loss_.approximate(place, "equality/joint/@polycoef", "its linear part");
-        }
       } else if (m_.eq_type[i] == mjEQ_CONNECT || m_.eq_type[i] == mjEQ_WELD) {
         Loop loop;
         loop.name = name;

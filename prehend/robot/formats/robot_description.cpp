@@ -1,8 +1,12 @@
 #include "prehend/robot/formats/robot_description.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
 
@@ -38,6 +42,47 @@ std::vector<std::string> roots(const RobotDescription& robot) {
     if (held.count(link.name) == 0) result.push_back(link.name);
   }
   return result;
+}
+
+bool Follows::is_linear() const {
+  return std::all_of(coefficients.begin() + 2, coefficients.end(),
+                     [](double one) { return one == 0; });
+}
+
+double Follows::at(double q) const {
+  double position = 0;  // Horner's scheme
+  for (auto one = coefficients.rbegin(); one != coefficients.rend(); ++one) {
+    position = position * q + *one;
+  }
+  return position;
+}
+
+CouplingLine coupling_line(const RobotDescription& robot, const JointDescription& joint) {
+  const Follows& follows = *joint.follows;
+  if (follows.is_linear()) {
+    return {Follows(follows.joint, follows.multiplier(), follows.offset()), 0};
+  }
+  const JointDescription* leader = robot.joint(follows.joint);
+  const bool slides = leader && leader->kind == JointDescription::Kind::kPrismatic;
+  const double unlimited = slides ? 1.0 : std::numbers::pi;
+  const double lower = leader ? leader->lower.value_or(-unlimited) : -unlimited;
+  const double upper = leader ? leader->upper.value_or(unlimited) : unlimited;
+  constexpr double kPoint = 1e-12;
+  const double slope = upper - lower > kPoint
+                           ? (follows.at(upper) - follows.at(lower)) / (upper - lower)
+                           : follows.multiplier();
+  CouplingLine result{Follows(follows.joint, slope, follows.at(lower) - slope * lower), 0};
+  constexpr int kSamples = 10000;  // its largest to 1e-7 of it, where the polynomial turns once
+  for (int i = 0; i <= kSamples; ++i) {
+    const double q = lower + (upper - lower) * i / kSamples;
+    result.deviation = std::max(result.deviation, std::abs(follows.at(q) - result.line.at(q)));
+  }
+  return result;
+}
+
+std::string words_of_line(const CouplingLine& coupling, const JointDescription& joint) {
+  return fmt::format("the line through its ends, at most {:.3g} {} beside it", coupling.deviation,
+                     joint.kind == JointDescription::Kind::kPrismatic ? "m" : "rad");
 }
 
 std::vector<std::string> tree_order(const RobotDescription& robot) {
@@ -94,8 +139,7 @@ double position_of(const RobotDescription& robot, const JointDescription& joint,
                            (leader ? "' in a circle" : "', which is not there"),
                        "Name a joint that moves by itself");
     }
-    return joint.follows->multiplier * position_of(robot, *leader, positions, depth + 1) +
-           joint.follows->offset;
+    return joint.follows->at(position_of(robot, *leader, positions, depth + 1));
   }
   const auto found = positions.find(joint.name);
   return found == positions.end() ? 0 : found->second;

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "prehend/robot/formats/json_record.h"
 #include "prehend/robot/formats/robot_description.h"
@@ -61,8 +63,33 @@ void fields(Visitor& v, Part<Visitor, LinkDescription>& link) {
 template <class Visitor>
 void fields(Visitor& v, Part<Visitor, Follows>& follows) {
   v.field("joint", follows.joint);
-  v.field("multiplier", follows.multiplier, 1.0);
-  v.field("offset", follows.offset, 0.0);
+  // A line by two words, all else by its coefficients.
+  double multiplier = 1, offset = 0;
+  std::vector<double> coefficients;
+  if constexpr (!Visitor::kReads) {
+    if (follows.is_linear()) {
+      multiplier = follows.multiplier();
+      offset = follows.offset();
+    } else {
+      coefficients = follows.coefficients;
+    }
+  }
+  v.field("multiplier", multiplier, 1.0);
+  v.field("offset", offset, 0.0);
+  v.list("coefficients", coefficients);
+  if constexpr (Visitor::kReads) {
+    follows.coefficients = {offset, multiplier};
+    if (coefficients.empty()) return;
+    constexpr std::size_t kMost = 16;
+    if (coefficients.size() < 2 || coefficients.size() > kMost) {
+      v.fail(v.path() + ".coefficients", "is no list of 2 to 16 numbers", "Write so many");
+    }
+    if (multiplier != 1 || offset != 0) {
+      v.fail(v.path(), "has coefficients beside multiplier or offset", "Leave one of them away");
+    }
+    while (coefficients.size() > 2 && coefficients.back() == 0) coefficients.pop_back();
+    follows.coefficients = std::move(coefficients);
+  }
 }
 
 template <class Visitor>

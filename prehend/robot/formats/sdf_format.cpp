@@ -487,10 +487,14 @@ class SdfWriter {
       }
       line(4, "</dynamics>");
       if (joint.follows) {
+        const CouplingLine coupling = coupling_line(robot_, joint);
         line(4, fmt::format("<mimic joint=\"{}\"><multiplier>{}</multiplier><offset>{}</offset>"
                             "<reference>0</reference></mimic>",
-                            escaped(joint.follows->joint), number_text(joint.follows->multiplier),
-                            number_text(joint.follows->offset)));
+                            escaped(coupling.line.joint), number_text(coupling.line.multiplier()),
+                            number_text(coupling.line.offset())));
+        if (!joint.follows->is_linear()) {
+          loss_.approximate(place, "polynomial coupling", words_of_line(coupling, joint));
+        }
         loss_.approximate(place, "mimic", "as SDF 1.11 has it; older readers pass over it");
       }
       line(3, "</axis>");

@@ -353,9 +353,13 @@ class UrdfWriter {
                           number_text(joint.friction)));
     }
     if (joint.follows) {
+      const CouplingLine coupling = coupling_line(robot_, joint);
       line(2, fmt::format("<mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>",
-                          escaped(joint.follows->joint), number_text(joint.follows->multiplier),
-                          number_text(joint.follows->offset)));
+                          escaped(coupling.line.joint), number_text(coupling.line.multiplier()),
+                          number_text(coupling.line.offset())));
+      if (!joint.follows->is_linear()) {
+        loss_.approximate(place, "polynomial coupling", words_of_line(coupling, joint));
+      }
     }
     if (joint.break_away) {
       loss_.approximate(place, "break-away clutch", "a mimic that never stays behind");

@@ -45,7 +45,7 @@ const std::string kEverything = R"json({"prehend_robot": 1, "name": "all <of> \"
   "lower": -0.2, "upper": 1.5, "velocity": 2, "effort": 1.5, "damping": 0.01, "friction": 0.02, "stiffness": 0.3, "rest": 0.1},
  {"name": "k", "kind": "revolute", "parent": "finger", "child": "tip", "pose": {"position": [0, 0, 0.05]},
   "child_pose": {"position": [0, 0.01, 0]}, "axis": [0, 1, 0], "lower": -0.2, "upper": 1.5,
-  "follows": {"joint": "j", "multiplier": 0.5, "offset": 0.1}, "break_away": 0.4},
+  "follows": {"joint": "j", "coefficients": [0.1, 0.5, 0.4]}, "break_away": 0.4},
  {"name": "t", "kind": "revolute", "parent": "palm", "child": "thumb", "pose": {"position": [-0.05, 0, 0]}, "axis": [0, 1, 0],
   "upper": 1.5, "passive": true},
  {"name": "b", "kind": "ball", "parent": "thumb", "child": "ball", "pose": {"position": [-0.05, 0, 0.01]}},
@@ -143,6 +143,8 @@ TEST_F(Extension, UrdfKeepsAllThatADescriptionHas) {
   EXPECT_THAT(report_, AllOf(HasSubstr("kept in prehend's extension, which other programs do not "
                                        "read: 4 sensors, 2 actuators, 2 closed loops"),
                              HasSubstr("for others approximated break-away clutch"),
+                             // 0.4 (1.7 / 2)^2, half way between the leader's limits
+                             HasSubstr("the line through its ends, at most 0.289 rad beside it"),
                              HasSubstr("0 approximated, 0 dropped")));
 }
 
@@ -170,6 +172,35 @@ TEST_F(Extension, EveryPairOfWrittenFormatsKeepsIt) {
           << first << " to " << second;
     }
   }
+}
+
+/// Other programs read a line that is right at the ends of the leader's range.
+TEST_F(Extension, PolynomialCouplingsAreLinesForOthers) {
+  const RobotDescription robot = everything();
+  for (const char* format : {"urdf", "sdf"}) {
+    LossReport loss;
+    std::string text = format_named(format).write(robot, loss);
+    const std::string element = format == std::string("urdf") ? "prehend" : "prehend:robot";
+    const std::size_t begin = text.find("<" + element), end = text.find("</" + element + ">");
+    ASSERT_NE(end, std::string::npos);
+    text.erase(begin, end + element.size() + 3 - begin);
+    const RobotDescription others = read(std::string("others.") + format, text);
+    const Follows& line = *others.joint("k")->follows;
+    EXPECT_TRUE(line.is_linear());
+    for (const double q : {-0.2, 1.5}) {
+      EXPECT_NEAR(line.at(q), 0.1 + 0.5 * q + 0.4 * q * q, 1e-12) << format << ", " << q;
+    }
+  }
+}
+
+/// MJCF has five coefficients.
+TEST_F(Extension, PolynomialsOfAHighDegreeComeBackFromMjcf) {
+  if (!has_mjcf()) GTEST_SKIP() << "built without MuJoCo";
+  RobotDescription robot = everything();
+  robot.joints[1].follows->coefficients = {0, 0.5, 0, 0, 0.1, -0.02};
+  const RobotDescription again = through(robot, "mjcf");
+  EXPECT_THAT(report_, HasSubstr("coupling of a degree above 4"));
+  EXPECT_EQ(again.joint("k")->follows->coefficients, robot.joints[1].follows->coefficients);
 }
 
 TEST_F(Extension, IsNotThereWhereNothingIsMissing) {

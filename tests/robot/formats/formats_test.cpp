@@ -96,7 +96,7 @@ TEST_F(Formats, UrdfIsReadWhole) {
   const JointDescription& shoulder = *arm.joint("shoulder");
   EXPECT_EQ(*shoulder.lower, -2);
   EXPECT_EQ(shoulder.friction, 0.2);
-  EXPECT_EQ(arm.joint("elbow")->follows->offset, 0.03);
+  EXPECT_EQ(arm.joint("elbow")->follows->offset(), 0.03);
   // All but Gazebo's part was kept.
   ASSERT_EQ(loss_.entries().size(), 1U) << loss_.text();
   EXPECT_EQ(loss_.entries()[0].what, "robot/gazebo");
@@ -518,7 +518,7 @@ TEST_F(Formats, MjcfIsReadByMuJoCo) {
   EXPECT_NEAR(*robot.joint("j")->upper, std::numbers::pi / 2, 1e-9);
   EXPECT_EQ(robot.joint("j")->damping, 0.3);
   EXPECT_NEAR(*robot.joint("j")->effort, 15, 1e-12);
-  EXPECT_EQ(robot.joint("y")->follows->multiplier, 2);
+  EXPECT_EQ(robot.joint("y")->follows->multiplier(), 2);
   EXPECT_EQ(robot.link("a")->inertial->mass, 1.5);
   EXPECT_EQ(robot.sensors.size(), 1U);
   // About a place 0.2 over its origin, by a right angle: z to x.
