@@ -181,10 +181,8 @@ RobotDescription full_robot() {
     joint.stiffness = number(random);
     joint.rest = number(random);
     if (i == 1) joint.follows = Follows{"joint 0", number(random), number(random)};
-    if (i == 2) {
-      joint.follows = Follows{"joint 0", number(random), number(random)};
-      joint.follows->coefficients.push_back(number(random));
-    }
+    // Lines and polynomials.
+    if (i == 1 && number(random) > 0) joint.follows->coefficients.push_back(number(random));
     if (i == 1) joint.break_away = number(random);
     joint.passive = i == 0;
     robot.joints.push_back(joint);
