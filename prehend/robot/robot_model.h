@@ -34,7 +34,8 @@ struct Link {
   std::vector<CollisionShape> shapes;
 };
 
-/// A joint follows another one: position = multiplier * that one's + offset.
+/// A joint follows another one: position = multiplier * that one's + offset. Of a polynomial that
+/// stands in prehend's extension of the URDF (formats/extension.h) this is the line.
 struct Mimic {
   int joint = -1;
   double multiplier = 1;

@@ -24,7 +24,7 @@ void add_model_options(CLI::App& app, ModelChoices& choices) {
       ->required();
   convert->add_option("--format", choices.format, "format of `to`, whatever its ending");
   convert->add_flag("--strict", choices.strict,
-                    "write nothing where anything is lost: exit code 3");
+                    "write nothing where anything is lost, also to prehend: exit code 3");
   CLI::App* check = add_command(app, choices, "check",
                                 "What is wrong with a robot for physics and grasping: masses, "
                                 "inertias, limits, efforts, axes, "

@@ -135,7 +135,7 @@ class Drawing {
     const auto leader = joint_at.find(follows.joint);
     if (leader == joint_at.end()) return;  // check_model() says so
     joint.leader = leader->second;
-    joint.coefficients = {follows.offset, follows.multiplier};
+    joint.coefficients = follows.coefficients;
   }
 
   void add_link(const LinkDescription& link) {

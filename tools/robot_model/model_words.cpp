@@ -79,8 +79,11 @@ std::string drag_words(const JointDescription& joint) {
 std::string follows_words(const JointDescription& joint) {
   if (!joint.follows) return "";
   const Follows& follows = *joint.follows;
-  return fmt::format("{:.4g} * {}{}", follows.multiplier, follows.joint,
-                     follows.offset != 0 ? fmt::format(" + {:.4g}", follows.offset) : "");
+  if (!follows.is_linear()) {
+    return fmt::format("{:.4g} of {}", fmt::join(follows.coefficients, ", "), follows.joint);
+  }
+  return fmt::format("{:.4g} * {}{}", follows.multiplier(), follows.joint,
+                     follows.offset() != 0 ? fmt::format(" + {:.4g}", follows.offset()) : "");
 }
 
 std::string inertial_words(const LinkDescription& link) {

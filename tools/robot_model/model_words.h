@@ -15,7 +15,7 @@ std::string effort_words(const robot::formats::JointDescription& joint);
 std::string speed_words(const robot::formats::JointDescription& joint);
 /// Damping, friction, spring and break-away, those that there are.
 std::string drag_words(const robot::formats::JointDescription& joint);
-/// "2 * joint 'a' + 0.1"; empty: it follows none.
+/// "2 * a + 0.1", or a polynomial's coefficients from the constant on; empty: it follows none.
 std::string follows_words(const robot::formats::JointDescription& joint);
 /// "0.5 kg, centre at 0 0 20 mm, ..."
 std::string inertial_words(const robot::formats::LinkDescription& link);

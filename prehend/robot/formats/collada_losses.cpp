@@ -92,6 +92,10 @@ void tell_collada_losses(const RobotDescription& robot, LossReport& loss) {
     } else if (is_held(joint)) {
       loss.approximate(place, "limits of 0", "fixed: they leave it no way");
     }
+    if (joint.follows && !joint.follows->is_linear()) {
+      loss.approximate(place, "follows by a polynomial",
+                       words_of_line(coupling_line(robot, joint), joint));
+    }
     if (joint.follows && !robot.joint(joint.follows->joint)) {
       loss.drop(place, "follows '" + joint.follows->joint + "'", "that joint is not there");
     }

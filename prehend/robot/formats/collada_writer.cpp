@@ -179,9 +179,9 @@ class ColladaWriter {
   /// multiplier * leader + offset, in radians and metres. OpenRAVE takes velocities by the partial
   /// derivatives of its own technique.
   void write_formula(std::size_t number, ColladaText& text) {
-    const Follows* follows = leader_of(robot_.joints[number]);
-    if (!follows) return;
-    const std::string leader = "kmodel0/" + joint_sid(number_of_joint_.at(follows->joint));
+    if (!leader_of(robot_.joints[number])) return;
+    const Follows follows = coupling_line(robot_, robot_.joints[number]).line;
+    const std::string leader = "kmodel0/" + joint_sid(number_of_joint_.at(follows.joint));
     const auto open_math = [&] {
       text.open("math", " xmlns=\"http://www.w3.org/1998/Math/MathML\"");
     };
@@ -191,10 +191,10 @@ class ColladaWriter {
       text.leaf("plus", "");
       text.open("apply");
       text.leaf("times", "");
-      text.leaf("cn", "", number_text(follows->multiplier));
+      text.leaf("cn", "", number_text(follows.multiplier()));
       text.leaf("csymbol", " encoding=\"COLLADA\"", leader);
       text.close();
-      text.leaf("cn", "", number_text(follows->offset));
+      text.leaf("cn", "", number_text(follows.offset()));
       text.close();
       text.close();
     };
@@ -210,7 +210,7 @@ class ColladaWriter {
     write_position();
     text.close();
     for (const auto& [type, value] :
-         {std::pair{"first_partial", follows->multiplier}, std::pair{"second_partial", 0.0}}) {
+         {std::pair{"first_partial", follows.multiplier()}, std::pair{"second_partial", 0.0}}) {
       text.open("equation", xml_attribute("type", type) + xml_attribute("target", leader));
       open_math();
       text.leaf("cn", "", number_text(value));

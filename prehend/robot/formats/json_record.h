@@ -100,6 +100,7 @@ class JsonReader {
   void take(const JsonValue& from, const std::string& path, int& to);
   void take(const JsonValue& from, const std::string& path, bool& to);
   void take(const JsonValue& from, const std::string& path, std::string& to);
+  static void take(const JsonValue& from, const std::string&, JsonValue& to) { to = from; }
   void take(const JsonValue& from, const std::string& path, Eigen::Vector3d& to);
   void take(const JsonValue& from, const std::string& path, Eigen::Matrix3d& to);
   void take(const JsonValue& from, const std::string& path, std::array<double, 4>& to);

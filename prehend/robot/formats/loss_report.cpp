@@ -25,18 +25,26 @@ std::string LossReport::text() const {
       ++lines[at->second].second;
     }
   }
-  std::string text;
+  std::string text, extended;
   for (const auto& [entry, count] : lines) {
-    text +=
-        fmt::format("{}: {} {}{}: {}\n", entry->place,
-                    entry->fate == Entry::Fate::kDropped ? "dropped" : "approximated", entry->what,
-                    count > 1 ? fmt::format(" ({} times)", count) : "", entry->why);
+    if (entry->fate == Entry::Fate::kExtended && entry->why.empty()) {
+      extended +=
+          fmt::format("{}: kept in prehend's extension, which other programs do not read: {}\n",
+                      entry->place, entry->what);
+      continue;
+    }
+    const char* fate = entry->fate == Entry::Fate::kDropped        ? "dropped"
+                       : entry->fate == Entry::Fate::kApproximated ? "approximated"
+                                                                   : "for others approximated";
+    text += fmt::format("{}: {} {}{}: {}\n", entry->place, fate, entry->what,
+                        count > 1 ? fmt::format(" ({} times)", count) : "", entry->why);
   }
   const std::size_t kept =
       std::accumulate(kept_.begin(), kept_.end(), std::size_t{0},
                       [](std::size_t sum, const auto& one) { return sum + one.second; });
-  return text + fmt::format("{} elements and attributes kept, {} approximated, {} dropped\n", kept,
-                            count(Entry::Fate::kApproximated), count(Entry::Fate::kDropped));
+  return text + extended +
+         fmt::format("{} elements and attributes kept, {} approximated, {} dropped\n", kept,
+                     count(Entry::Fate::kApproximated), count(Entry::Fate::kDropped));
 }
 
 }  // namespace prehend::robot::formats

@@ -5,7 +5,10 @@
 
 #ifdef PREHEND_HAS_MUJOCO
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <set>
@@ -13,11 +16,14 @@
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
+#include <unistd.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/extension.h"
+#include "prehend/robot/formats/file_text.h"
 #include "prehend/robot/formats/mjcf_size.h"
 #include "prehend/robot/formats/mjcf_writer.h"
-#include "prehend/robot/formats/tracked_xml.h"
+#include "prehend/robot/formats/xml_text.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -221,12 +227,15 @@ class MjcfReader {
         const std::string follower = name_of(mjOBJ_JOINT, m_.eq_obj1id[i], "joint");
         for (JointDescription& joint : robot_.joints) {
           if (joint.name != follower) continue;
-          joint.follows = Follows{name_of(mjOBJ_JOINT, m_.eq_obj2id[i], "joint"), data[1], data[0]};
+          constexpr int kCoefficients = 5;  // q - q0 of positions at 0, from which ours count, too
+          Follows follows{name_of(mjOBJ_JOINT, m_.eq_obj2id[i], "joint"), data[1], data[0]};
+          follows.coefficients.assign(data, data + kCoefficients);
+          while (follows.coefficients.size() > 2 && follows.coefficients.back() == 0) {
+            follows.coefficients.pop_back();
+          }
+          joint.follows = std::move(follows);
         }
         loss_.keep("equality/joint");
-        if (data[2] != 0 || data[3] != 0 || data[4] != 0) {
-          loss_.approximate(place, "equality/joint/@polycoef", "its linear part");
-        }
       } else if (m_.eq_type[i] == mjEQ_CONNECT || m_.eq_type[i] == mjEQ_WELD) {
         Loop loop;
         loop.name = name;
@@ -348,12 +357,91 @@ class Mjcf : public RobotFormat {
     }
     RobotDescription robot = MjcfReader(*model, file.string(), loss).read(file.stem().string());
     tree_order(robot);
+    const int block = mj_name2id(model.get(), mjOBJ_TEXT, kBlock);
+    if (block >= 0) {
+      apply_extension(model->text_data + model->text_adr[block], place_of_block(file), robot, loss);
+    }
     return robot;
   }
   bool can_write() const override { return true; }
   TakenMeshes taken_meshes() const override { return TakenMeshes::kAll; }
   std::string write(const RobotDescription& robot, LossReport& loss) const override {
-    return mjcf_text(robot, loss);
+    LossReport written;
+    std::string text = mjcf_text(robot, written);
+    const std::string block = extension_text(
+        robot, [&] { return read_again(robot); }, written, loss);
+    if (!block.empty()) {
+      text.insert(text.rfind("</mujoco>"),
+                  fmt::format("  <custom>\n    <text name=\"{}\" data=\"{}\"/>\n  </custom>\n",
+                              kBlock, escaped(on_one_line(block))));
+    }
+    return text;
+  }
+
+ private:
+  static constexpr const char* kBlock = "prehend";
+
+  /// With the line, where it is in this file and not in one that it includes.
+  static std::string place_of_block(const std::filesystem::path& file) {
+    const std::string text = whole_file(file);
+    const std::size_t at = text.find(fmt::format("name=\"{}\"", kBlock));
+    if (at == std::string::npos) return file.string();
+    return fmt::format("{}:{}", file.string(),
+                       1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
+  }
+
+  /// What is read of the robot's text; its meshes, which are not written yet, are as they are.
+  static RobotDescription read_again(const RobotDescription& robot) {
+    RobotDescription boxes = robot;
+    for (LinkDescription& link : boxes.links) {
+      for (auto* shapes : {&link.visuals, &link.collisions}) {
+        for (Shape& shape : *shapes) {
+          if (shape.kind != Shape::Kind::kMesh) continue;
+          shape.kind = Shape::Kind::kBox;
+          shape.size = Eigen::Vector3d::Ones();
+        }
+      }
+    }
+    LossReport unused;
+    const std::string text = mjcf_text(boxes, unused);
+    std::string file = (std::filesystem::temp_directory_path() / "prehend_XXXXXX").string();
+    const int descriptor = ::mkstemp(file.data());
+    if (descriptor < 0) {
+      throw InputError("'" + file + "' cannot be written, from which MuJoCo reads the robot again",
+                       "Make room in that folder");
+    }
+    ::close(descriptor);
+    const std::unique_ptr<const std::string, void (*)(const std::string*)> removed(
+        &file, [](const std::string* name) { std::filesystem::remove(*name); });
+    std::ofstream(file) << text;
+    std::array<char, 1000> error{};
+    const Model model(mj_loadXML(file.c_str(), nullptr, error.data(), error.size()),
+                      mj_deleteModel);
+    if (!model) {
+      throw InputError(fmt::format("MuJoCo {} does not read the robot again: {}",
+                                   mj_versionString(), error.data()),
+                       "Mend the robot");
+    }
+    RobotDescription plain = MjcfReader(*model, file, unused).read("");
+    tree_order(plain);
+    for (LinkDescription& link : plain.links) {
+      const LinkDescription* its = robot.link(link.name);
+      if (!its) continue;
+      take_meshes(link.visuals, its->visuals);
+      take_meshes(link.collisions, its->collisions);
+    }
+    return plain;
+  }
+
+  static void take_meshes(std::vector<Shape>& plain, const std::vector<Shape>& robot) {
+    for (std::size_t i = 0; i < std::min(plain.size(), robot.size()); ++i) {
+      if (robot[i].kind != Shape::Kind::kMesh) continue;
+      const Shape read = plain[i];
+      plain[i] = robot[i];
+      plain[i].name = read.name;
+      plain[i].material = read.material;
+      plain[i].color = read.color;
+    }
   }
 };
 

@@ -269,10 +269,19 @@ class MjcfWriter {
     std::string text;
     for (const JointDescription& joint : robot_.joints) {
       if (!joint.follows) continue;
-      text +=
-          fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"/>\n",
-                      escaped(joint.name), escaped(joint.follows->joint),
-                      number_text(joint.follows->offset), number_text(joint.follows->multiplier));
+      constexpr std::size_t kCoefficients = 5;
+      std::vector<double> coefficients = joint.follows->coefficients;
+      if (coefficients.size() > kCoefficients) {
+        const CouplingLine coupling = coupling_line(robot_, joint);
+        coefficients = coupling.line.coefficients;
+        loss_.approximate("joint '" + joint.name + "'", "coupling of a degree above 4",
+                          words_of_line(coupling, joint));
+      }
+      coefficients.resize(kCoefficients, 0);
+      std::string words;
+      for (const double one : coefficients) words += (words.empty() ? "" : " ") + number_text(one);
+      text += fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{}\"/>\n",
+                          escaped(joint.name), escaped(joint.follows->joint), words);
     }
     for (const Loop& loop : robot_.loops) {
       const std::string bodies = fmt::format("{} body1=\"{}\" body2=\"{}\"", named(loop.name),

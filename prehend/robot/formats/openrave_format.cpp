@@ -69,16 +69,15 @@ std::optional<Follows> follows_of(const std::string& formula) {
   constexpr std::size_t kLongest = 400;
   if (formula.size() > kLongest) return std::nullopt;
   if (std::regex_match(formula, match, kForm)) {
-    Follows follows{match[2], match[1] == "-" ? -1.0 : 1.0, 0};
-    if (match[3] == "*") follows.multiplier *= number(match[4]);
-    if (match[3] == "/") follows.multiplier /= number(match[4]);
-    if (match[5].matched) follows.offset = (match[5] == "-" ? -1 : 1) * number(match[6]);
-    return follows;
+    double multiplier = match[1] == "-" ? -1.0 : 1.0, offset = 0;
+    if (match[3] == "*") multiplier *= number(match[4]);
+    if (match[3] == "/") multiplier /= number(match[4]);
+    if (match[5].matched) offset = (match[5] == "-" ? -1 : 1) * number(match[6]);
+    return Follows{match[2], multiplier, offset};
   }
   if (std::regex_match(formula, match, kOther)) {
-    Follows follows{match[2], number(match[1]), 0};
-    if (match[3].matched) follows.offset = (match[3] == "-" ? -1 : 1) * number(match[4]);
-    return follows;
+    const double offset = match[3].matched ? (match[3] == "-" ? -1 : 1) * number(match[4]) : 0.0;
+    return Follows{match[2], number(match[1]), offset};
   }
   return std::nullopt;
 }
@@ -369,8 +368,9 @@ class OpenRaveReader {
       if (!follows) element.drop_attribute("mimic_pos", "it is no linear formula of one joint");
     } else if (const auto old = element.attribute("mimic")) {
       std::istringstream words(*old);
-      Follows read;
-      if (words >> read.joint >> read.multiplier >> read.offset) follows = read;
+      std::string leader;
+      double multiplier = 1, offset = 0;
+      if (words >> leader >> multiplier >> offset) follows = Follows{leader, multiplier, offset};
     }
     if (!follows) return;
     follows->joint = prefix + follows->joint;

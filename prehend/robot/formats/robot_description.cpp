@@ -1,9 +1,13 @@
 #include "prehend/robot/formats/robot_description.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <set>
 #include <unordered_map>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
 
@@ -45,6 +49,47 @@ std::vector<std::string> roots(const RobotDescription& robot) {
     if (held.count(link.name) == 0) result.push_back(link.name);
   }
   return result;
+}
+
+bool Follows::is_linear() const {
+  return std::all_of(coefficients.begin() + 2, coefficients.end(),
+                     [](double one) { return one == 0; });
+}
+
+double Follows::at(double q) const {
+  double position = 0;  // Horner's scheme
+  for (auto one = coefficients.rbegin(); one != coefficients.rend(); ++one) {
+    position = position * q + *one;
+  }
+  return position;
+}
+
+CouplingLine coupling_line(const RobotDescription& robot, const JointDescription& joint) {
+  const Follows& follows = *joint.follows;
+  if (follows.is_linear()) {
+    return {Follows(follows.joint, follows.multiplier(), follows.offset()), 0};
+  }
+  const JointDescription* leader = robot.joint(follows.joint);
+  const bool slides = leader && leader->kind == JointDescription::Kind::kPrismatic;
+  const double unlimited = slides ? 1.0 : std::numbers::pi;
+  const double lower = leader ? leader->lower.value_or(-unlimited) : -unlimited;
+  const double upper = leader ? leader->upper.value_or(unlimited) : unlimited;
+  constexpr double kPoint = 1e-12;
+  const double slope = upper - lower > kPoint
+                           ? (follows.at(upper) - follows.at(lower)) / (upper - lower)
+                           : follows.multiplier();
+  CouplingLine result{Follows(follows.joint, slope, follows.at(lower) - slope * lower), 0};
+  constexpr int kSamples = 10000;  // its largest to 1e-7 of it, where the polynomial turns once
+  for (int i = 0; i <= kSamples; ++i) {
+    const double q = lower + (upper - lower) * i / kSamples;
+    result.deviation = std::max(result.deviation, std::abs(follows.at(q) - result.line.at(q)));
+  }
+  return result;
+}
+
+std::string words_of_line(const CouplingLine& coupling, const JointDescription& joint) {
+  return fmt::format("the line through its ends, at most {:.3g} {} beside it", coupling.deviation,
+                     joint.kind == JointDescription::Kind::kPrismatic ? "m" : "rad");
 }
 
 std::vector<std::string> tree_order(const RobotDescription& robot) {
@@ -90,6 +135,25 @@ std::vector<std::string> tree_order(const RobotDescription& robot) {
   return order;
 }
 
+namespace {
+
+// The polynomial outer(inner(q)), by Horner's scheme.
+std::vector<double> composed(const std::vector<double>& outer, const std::vector<double>& inner) {
+  std::vector<double> result{0};
+  for (auto one = outer.rbegin(); one != outer.rend(); ++one) {
+    std::vector<double> product(result.size() + inner.size() - 1, 0.0);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      for (std::size_t k = 0; k < inner.size(); ++k) product[i + k] += result[i] * inner[k];
+    }
+    product[0] += *one;
+    while (product.size() > 2 && product.back() == 0) product.pop_back();
+    result = std::move(product);
+  }
+  return result;
+}
+
+}  // namespace
+
 LinkPoses::LinkPoses(const RobotDescription& robot) : joints_(robot.joints) {
   std::unordered_map<std::string, int> links, joints;
   for (const LinkDescription& link : robot.links) {
@@ -104,7 +168,7 @@ LinkPoses::LinkPoses(const RobotDescription& robot) : joints_(robot.joints) {
     parent_.push_back(links.at(joint.parent));
   }
   for (std::size_t i = 0; i < joints_.size(); ++i) {
-    Leader leader{static_cast<int>(i), 1, 0};
+    Leader leader{static_cast<int>(i), {}};
     const JointDescription* joint = &joints_[i];
     for (int depth = 0; joint->follows; ++depth) {
       const auto found = joints.find(joint->follows->joint);
@@ -113,8 +177,7 @@ LinkPoses::LinkPoses(const RobotDescription& robot) : joints_(robot.joints) {
                              (found == joints.end() ? "', which is not there" : "' in a circle"),
                          "Name a joint that moves by itself");
       }
-      leader.offset += leader.multiplier * joint->follows->offset;
-      leader.multiplier *= joint->follows->multiplier;
+      leader.by.coefficients = composed(leader.by.coefficients, joint->follows->coefficients);
       leader.joint = found->second;
       joint = &joints_[static_cast<std::size_t>(leader.joint)];
     }
@@ -130,8 +193,7 @@ std::vector<RigidTransform> LinkPoses::at(const std::vector<double>& positions) 
     const auto index = static_cast<std::size_t>(above);
     const JointDescription& joint = joints_[index];
     const Leader& leader = leaders_[index];
-    const double q =
-        leader.multiplier * positions[static_cast<std::size_t>(leader.joint)] + leader.offset;
+    const double q = leader.by.at(positions[static_cast<std::size_t>(leader.joint)]);
     RigidTransform X = joint.X_PJ;
     if (joint.kind == JointDescription::Kind::kRevolute) {
       X.rotate(Eigen::AngleAxisd(q, joint.axis_J));

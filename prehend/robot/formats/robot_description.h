@@ -44,10 +44,19 @@ struct LinkDescription {
   std::vector<Shape> visuals, collisions;
 };
 
-/// A joint's position follows another's: multiplier * that + offset.
+/// A joint's position follows another's, q: Σ coefficients[i] qⁱ, mostly a line.
 struct Follows {
+  Follows() = default;
+  Follows(std::string leader, double multiplier, double offset)
+      : joint(std::move(leader)), coefficients{offset, multiplier} {}
+
   std::string joint;
-  double multiplier = 1, offset = 0;  // offset: rad or m
+  std::vector<double> coefficients{0, 1};  // at least two; rad or m per (rad or m)ⁱ
+
+  double offset() const { return coefficients[0]; }      // at 0, rad or m
+  double multiplier() const { return coefficients[1]; }  // the slope there
+  bool is_linear() const;
+  double at(double q) const;
 };
 
 struct JointDescription {
@@ -134,6 +143,18 @@ void refuse_many_links(std::size_t count, const std::string& place);
 /// formats whose links stand in the robot's frame.
 std::vector<std::string> roots(const RobotDescription& robot);
 
+/// A coupling as formats have it that know lines alone.
+struct CouplingLine {
+  Follows line;          // through the ends of the leader's range
+  double deviation = 0;  // of the polynomial from it within that range, at most; rad or m
+};
+
+/// The line of a joint that follows. Where its leader has no limit, the range ends at -π or π rad,
+/// -1 or 1 m. @pre joint.follows
+CouplingLine coupling_line(const RobotDescription& robot, const JointDescription& joint);
+/// "the line through its ends, at most 0.012 rad beside it"
+std::string words_of_line(const CouplingLine& coupling, const JointDescription& joint);
+
 /// The links in an order in which parents come first, by joints that make a tree.
 /// @throws geometry::InputError naming link or joint: none at all, more than kMostLinks, two of a
 /// name, a joint of a link that is not there, a link with two joints above it, none without one, or
@@ -160,7 +181,7 @@ class LinkPoses {
   /// By joint: whose position it takes (its own where it follows none), and how.
   struct Leader {
     int joint = 0;
-    double multiplier = 1, offset = 0;
+    Follows by;  // its `joint` is empty
   };
   const std::vector<Leader>& leaders() const { return leaders_; }
 

@@ -1,11 +1,13 @@
 // SDF 1.2 to 1.9 (http://sdformat.org/spec), one model, read; SDF 1.7 written.
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/extension.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 #include "prehend/robot/formats/xml_text.h"
@@ -17,12 +19,40 @@ using geometry::InputError;
 using geometry::RigidTransform;
 using Kind = JointDescription::Kind;
 
+constexpr double kWritten = 1.7;     // the version
 constexpr double kUnlimited = 1e16;  // SDF's own word for no limit, and what is beyond
 
 double number_in(const XmlElement& element, const char* name, double otherwise) {
   const auto found = element.child(name);
   return found && !found->text().empty() ? found->text_number() : otherwise;
 }
+
+/// Kinds of sensors that SDF has (sdf/1.7/sensor.sdf); its readers refuse others.
+const std::set<std::string> kSensors{"air_pressure",
+                                     "altimeter",
+                                     "camera",
+                                     "contact",
+                                     "depth",
+                                     "depth_camera",
+                                     "force_torque",
+                                     "gps",
+                                     "gpu_lidar",
+                                     "gpu_ray",
+                                     "imu",
+                                     "lidar",
+                                     "logical_camera",
+                                     "magnetometer",
+                                     "multicamera",
+                                     "ray",
+                                     "rfid",
+                                     "rfidtag",
+                                     "rgbd",
+                                     "rgbd_camera",
+                                     "sonar",
+                                     "thermal",
+                                     "thermal_camera",
+                                     "wireless_receiver",
+                                     "wireless_transmitter"};
 
 /// Poses that are given in one another.
 class Frames {
@@ -285,8 +315,10 @@ class SdfReader {
       if (stiffness != 0) joint.stiffness = stiffness;
     }
     if (const auto mimic = axis.child("mimic")) {
-      joint.follows = Follows{mimic->needed("joint"), number_in(*mimic, "multiplier", 1),
-                              number_in(*mimic, "offset", 0)};
+      const double multiplier = number_in(*mimic, "multiplier", 1);
+      joint.follows =
+          Follows{mimic->needed("joint"), multiplier,
+                  number_in(*mimic, "offset", 0) - multiplier * number_in(*mimic, "reference", 0)};
     }
   }
 
@@ -302,7 +334,7 @@ class SdfWriter {
 
   std::string write() {
     line(0, "<?xml version=\"1.0\"?>");
-    line(0, "<sdf version=\"1.7\">");
+    line(0, fmt::format("<sdf version=\"{}\">", kWritten));
     line(1, fmt::format("<model name=\"{}\">", escaped(robot_.name)));
     // Where each joint is at 0, also those that follow another by an offset.
     RobotDescription at_zero = robot_;
@@ -376,6 +408,10 @@ class SdfWriter {
     for (const Shape& shape : link.collisions) write_shape(shape, "collision", count++);
     for (const Sensor& sensor : robot_.sensors) {
       if (sensor.link != link.name) continue;
+      if (kSensors.count(sensor.kind) == 0) {
+        loss_.drop("sensor '" + sensor.name + "'", sensor.kind, "SDF has none of that kind");
+        continue;
+      }
       loss_.keep("sensor");
       line(3, fmt::format("<sensor name=\"{}\" type=\"{}\">", escaped(sensor.name),
                           escaped(sensor.kind)));
@@ -453,10 +489,14 @@ class SdfWriter {
       }
       line(4, "</dynamics>");
       if (joint.follows) {
+        const CouplingLine coupling = coupling_line(robot_, joint);
         line(4, fmt::format("<mimic joint=\"{}\"><multiplier>{}</multiplier><offset>{}</offset>"
                             "<reference>0</reference></mimic>",
-                            escaped(joint.follows->joint), number_text(joint.follows->multiplier),
-                            number_text(joint.follows->offset)));
+                            escaped(coupling.line.joint), number_text(coupling.line.multiplier()),
+                            number_text(coupling.line.offset())));
+        if (!joint.follows->is_linear()) {
+          loss_.approximate(place, "polynomial coupling", words_of_line(coupling, joint));
+        }
         loss_.approximate(place, "mimic", "as SDF 1.11 has it; older readers pass over it");
       }
       line(3, "</axis>");
@@ -492,14 +532,36 @@ class Sdf : public RobotFormat {
     }
     if (!model) root.fail("there is no model in it", "Name a file that has one");
     RobotDescription robot = SdfReader(*model, version).read();
+    const auto blocks = model->children(kBlock);
     document.finish();
     tree_order(robot);
+    apply_extension(blocks, robot, loss);
     return robot;
   }
   bool can_write() const override { return true; }
   std::string write(const RobotDescription& robot, LossReport& loss) const override {
-    return SdfWriter(robot, loss).write();
+    LossReport written;
+    std::string text = SdfWriter(robot, written).write();
+    const auto again = [&] {
+      LossReport unused;
+      TrackedXml document(text, "robot.sdf", unused);
+      RobotDescription plain = SdfReader(*document.root().child("model"), kWritten).read();
+      tree_order(plain);
+      return plain;
+    };
+    const std::string block = extension_text(robot, again, written, loss);
+    if (!block.empty()) {
+      text.insert(text.rfind("  </model>"),
+                  fmt::format("    <{0} xmlns:prehend=\"{1}\">{2}</{0}>\n", kBlock, kNamespace,
+                              escaped_text(block)));
+    }
+    return text;
   }
+
+ private:
+  // Elements of other namespaces are others' (sdformat.org/tutorials, "custom elements").
+  static constexpr const char* kBlock = "prehend:robot";
+  static constexpr const char* kNamespace = "urn:prehend:robot";
 };
 
 }  // namespace

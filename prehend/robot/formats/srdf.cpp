@@ -171,7 +171,11 @@ bool needs_srdf(const RobotDescription& robot) {
 
 void take_out_srdf(RobotDescription& robot) {
   robot.disabled_collisions.clear();
-  robot.manipulators.clear();
+  std::erase_if(robot.manipulators, [](const Manipulator& one) {
+    return one.X_TipTool.isApprox(geometry::RigidTransform::Identity(), 1e-12) &&
+           std::all_of(one.closing.begin(), one.closing.end(),
+                       [](const auto& joint) { return joint.second == 0; });
+  });
   robot.postures.clear();
   for (JointDescription& joint : robot.joints) joint.passive = false;
 }
@@ -181,7 +185,7 @@ std::string write_srdf(const RobotDescription& robot, LossReport& loss) {
       fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(robot.name));
   std::set<std::string> groups;
   for (const Manipulator& one : robot.manipulators) {
-    const std::string name = escaped(one.name), place = "manipulator '" + one.name + "'";
+    const std::string name = escaped(one.name);
     loss.keep("manipulator");
     groups.insert(one.name + "_joints");
     text += fmt::format("  <group name=\"{}_joints\">\n", name);
@@ -201,13 +205,6 @@ std::string write_srdf(const RobotDescription& robot, LossReport& loss) {
     text +=
         fmt::format("  <end_effector name=\"{0}\" parent_link=\"{1}\" group=\"{0}_joints\"{2}/>\n",
                     name, escaped(one.tip), arm);
-    if (!one.X_TipTool.isApprox(geometry::RigidTransform::Identity(), 1e-12)) {
-      loss.drop(place, "frame of the tool", "SRDF has links alone");
-    }
-    if (std::any_of(one.closing.begin(), one.closing.end(),
-                    [](const auto& joint) { return joint.second != 0; })) {
-      loss.drop(place, "closing directions", "SRDF does not say them");
-    }
   }
   for (const Posture& one : robot.postures) {
     loss.keep("posture");

@@ -20,11 +20,11 @@ void read_srdf(const std::filesystem::path& file, RobotDescription& robot, LossR
 /// Whether the description has anything that an SRDF says and a URDF does not.
 bool needs_srdf(const RobotDescription& robot);
 
-/// Takes all of it away, as it is written to the SRDF.
+/// Takes all of it away that the SRDF says in full: manipulators with a tool's frame or closing
+/// directions stay, for the extension of the URDF.
 void take_out_srdf(RobotDescription& robot);
 
-/// The file's text. Of a manipulator it says base, tip and the gripper's joints; its tool's frame
-/// and closing directions are in `loss`.
+/// The file's text. Of a manipulator it says base, tip and the gripper's joints.
 std::string write_srdf(const RobotDescription& robot, LossReport& loss);
 
 }  // namespace prehend::robot::formats

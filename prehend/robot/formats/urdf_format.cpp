@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/extension.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/srdf.h"
 #include "prehend/robot/formats/tracked_xml.h"
@@ -353,9 +354,13 @@ class UrdfWriter {
                           number_text(joint.friction)));
     }
     if (joint.follows) {
+      const CouplingLine coupling = coupling_line(robot_, joint);
       line(2, fmt::format("<mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>",
-                          escaped(joint.follows->joint), number_text(joint.follows->multiplier),
-                          number_text(joint.follows->offset)));
+                          escaped(coupling.line.joint), number_text(coupling.line.multiplier()),
+                          number_text(coupling.line.offset())));
+      if (!joint.follows->is_linear()) {
+        loss_.approximate(place, "polynomial coupling", words_of_line(coupling, joint));
+      }
     }
     if (joint.break_away) {
       loss_.approximate(place, "break-away clutch", "a mimic that never stays behind");
@@ -418,7 +423,44 @@ class Urdf : public RobotFormat {
   std::string ending() const override { return ".urdf"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     TrackedXml document = TrackedXml::read(file, loss);
-    const XmlElement root = document.root();
+    RobotDescription robot = read_robot_element(document.root(), file);
+    const auto blocks = document.root().children(kBlock);
+    document.finish();
+    tree_order(robot);
+    // What a URDF cannot say stands beside it, by the same name, and in its block.
+    const std::filesystem::path beside = srdf_beside(file);
+    std::error_code error;
+    if (beside != file && std::filesystem::is_regular_file(beside, error)) {
+      read_srdf(beside, robot, loss);
+    }
+    apply_extension(blocks, robot, loss);
+    return robot;
+  }
+  bool can_write() const override { return true; }
+  std::string write(const RobotDescription& robot, LossReport& loss) const override {
+    LossReport written;
+    std::string text = UrdfWriter(robot, written).write();
+    const auto again = [&] {
+      LossReport unused;
+      TrackedXml document(text, "robot.urdf", unused);
+      RobotDescription plain = read_robot_element(document.root(), "");
+      tree_order(plain);
+      return plain;
+    };
+    const std::string block = extension_text(robot, again, written, loss);
+    if (!block.empty()) {
+      text.insert(text.rfind("</robot>"),
+                  fmt::format("  <{0}>{1}</{0}>\n", kBlock, escaped_text(block)));
+    }
+    return text;
+  }
+
+ private:
+  static constexpr const char* kBlock = "prehend";
+
+  /// @param file for words, and its name where the robot has none
+  static RobotDescription read_robot_element(const XmlElement& root,
+                                             const std::filesystem::path& file) {
     RobotDescription robot;
     robot.name = root.attribute("name").value_or(file.stem().string());
     Colors colors;
@@ -445,22 +487,10 @@ class Urdf : public RobotFormat {
       }
       const std::string word = one.name();
       const bool is_known = word == "link" || word == "joint" || word == "material" ||
-                            word == "transmission" || word == "gazebo";
+                            word == "transmission" || word == "gazebo" || word == kBlock;
       if (!is_known) one.drop("it is none of a robot's elements in URDF");
     }
-    document.finish();
-    tree_order(robot);
-    // What a URDF cannot say stands beside it, by the same name.
-    const std::filesystem::path beside = srdf_beside(file);
-    std::error_code error;
-    if (beside != file && std::filesystem::is_regular_file(beside, error)) {
-      read_srdf(beside, robot, loss);
-    }
     return robot;
-  }
-  bool can_write() const override { return true; }
-  std::string write(const RobotDescription& robot, LossReport& loss) const override {
-    return UrdfWriter(robot, loss).write();
   }
 };
 

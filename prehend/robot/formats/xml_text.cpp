@@ -38,6 +38,18 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
+std::string escaped_text(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '<' || c == '>' || c == '&') {
+      result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : "&amp;";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
 std::string number_text(double number) {
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), number == 0 ? 0 : number);

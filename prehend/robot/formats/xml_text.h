@@ -12,6 +12,8 @@ namespace prehend::robot::formats {
 
 /// With <, >, &, quotes and ends of lines as entities.
 std::string escaped(const std::string& text);
+/// Of what is no attribute: quotes stay, so that it is read with ease.
+std::string escaped_text(const std::string& text);
 /// The shortest text that reads as the same number.
 std::string number_text(double number);
 std::string numbers_text(const Eigen::Vector3d& numbers);

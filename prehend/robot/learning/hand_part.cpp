@@ -244,7 +244,16 @@ class Cutter {
         continue;
       }
       const auto* leader = joint.follows ? part_.robot.joint(joint.follows->joint) : nullptr;
-      if (joint.follows && (leader == nullptr || joint.follows->multiplier == 0)) {
+      if (leader != nullptr && !joint.follows->is_linear()) {
+        // The planner's robots have lines alone.
+        const formats::CouplingLine coupling = formats::coupling_line(part_.robot, joint);
+        say("joint '" + joint.name + "'",
+            "follows '" + leader->name + "' by a polynomial: taken as " +
+                formats::words_of_line(coupling, joint),
+            0.8);
+        joint.follows = coupling.line;
+      }
+      if (joint.follows && (leader == nullptr || joint.follows->multiplier() == 0)) {
         joint.follows.reset();
         say("joint '" + joint.name + "'", "moves by itself: what it follows is no part of the hand",
             0.5);
@@ -266,8 +275,8 @@ class Cutter {
       const JointDescription* leader = &joint;
       for (std::size_t steps = 0; leader != nullptr && leader->follows; ++steps) {
         if (steps > part_.robot.joints.size()) return;  // in a ring, which read_urdf() refuses
-        offset += multiplier * leader->follows->offset;
-        multiplier *= leader->follows->multiplier;
+        offset += multiplier * leader->follows->offset();
+        multiplier *= leader->follows->multiplier();
         leader = part_.robot.joint(leader->follows->joint);
       }
       if (leader == nullptr || leader == &joint || !leader->lower || !leader->upper) continue;

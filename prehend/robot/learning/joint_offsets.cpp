@@ -23,13 +23,13 @@ void fold_offsets(formats::RobotDescription& robot) {
   for (bool found = true; found;) {
     found = false;
     for (JointDescription& joint : robot.joints) {
-      if (!joint.follows || joint.follows->offset == 0) continue;
-      const double offset = joint.follows->offset;
+      if (!joint.follows || joint.follows->offset() == 0) continue;
+      const double offset = joint.follows->offset();
       shift(joint, offset);
-      joint.follows->offset = 0;
+      joint.follows->coefficients[0] = 0;
       for (JointDescription& other : robot.joints) {
         if (other.follows && other.follows->joint == joint.name) {
-          other.follows->offset += other.follows->multiplier * offset;
+          other.follows->coefficients[0] += other.follows->multiplier() * offset;
           found = true;
         }
       }

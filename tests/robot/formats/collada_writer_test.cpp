@@ -68,8 +68,8 @@ void expect_same_motion(const RobotDescription& given, const RobotDescription& a
     ASSERT_EQ(joint.follows.has_value(), other->follows.has_value()) << joint.name;
     if (!joint.follows) continue;
     EXPECT_EQ(joint.follows->joint, other->follows->joint);
-    EXPECT_NEAR(joint.follows->multiplier, other->follows->multiplier, 1e-15);
-    EXPECT_EQ(joint.follows->offset, other->follows->offset);
+    EXPECT_NEAR(joint.follows->multiplier(), other->follows->multiplier(), 1e-15);
+    EXPECT_EQ(joint.follows->offset(), other->follows->offset());
   }
 }
 

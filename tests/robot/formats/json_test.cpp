@@ -78,9 +78,8 @@ bool same(const JointDescription& a, const JointDescription& b) {
          a.effort == b.effort && a.damping == b.damping && a.friction == b.friction &&
          a.stiffness == b.stiffness && a.rest == b.rest &&
          a.follows.has_value() == b.follows.has_value() &&
-         (!a.follows ||
-          (a.follows->joint == b.follows->joint && a.follows->multiplier == b.follows->multiplier &&
-           a.follows->offset == b.follows->offset)) &&
+         (!a.follows || (a.follows->joint == b.follows->joint &&
+                         a.follows->coefficients == b.follows->coefficients)) &&
          a.break_away == b.break_away && a.passive == b.passive;
 }
 
@@ -182,6 +181,8 @@ RobotDescription full_robot() {
     joint.stiffness = number(random);
     joint.rest = number(random);
     if (i == 1) joint.follows = Follows{"joint 0", number(random), number(random)};
+    // Lines and polynomials.
+    if (i == 1 && number(random) > 0) joint.follows->coefficients.push_back(number(random));
     if (i == 1) joint.break_away = number(random);
     joint.passive = i == 0;
     robot.joints.push_back(joint);
@@ -302,6 +303,10 @@ TEST_F(JsonFormat, FaultsAreNamedWithTheirPath) {
               HasSubstr("joints[0].pose.quaternion: has not the length 1"));
   EXPECT_THAT(error_with(R"(, "pose": [1, 2, 3])"), HasSubstr("joints[0].pose: is no object"));
   EXPECT_THAT(error_with(R"(, "follows": {})"), HasSubstr("joints[0].follows: has no 'joint'"));
+  EXPECT_THAT(error_with(R"(, "follows": {"joint": "a", "coefficients": [1]})"),
+              HasSubstr("joints[0].follows.coefficients: is no list of 2 to 16 numbers"));
+  EXPECT_THAT(error_with(R"(, "follows": {"joint": "a", "offset": 1, "coefficients": [1, 2, 3]})"),
+              HasSubstr("has coefficients beside multiplier or offset"));
   EXPECT_THAT(error_of(R"({"prehend_robot": 1, "name": "r", "links": {}})"),
               HasSubstr("links: is no list"));
   EXPECT_THAT(error_of(R"({"prehend_robot": 2, "name": "r"})"), HasSubstr("no version"));

@@ -62,7 +62,7 @@ inline Eigen::MatrixXd mass_matrix(const RobotDescription& robot,
       if (found == column.end()) continue;
       const auto parent = static_cast<std::size_t>(tree.parent()[static_cast<std::size_t>(above)]);
       const geometry::RigidTransform X_RJ = X_RL[parent] * joint.X_PJ;
-      const Eigen::Vector3d axis = X_RJ.linear() * joint.axis_J * leader.multiplier;
+      const Eigen::Vector3d axis = X_RJ.linear() * joint.axis_J * leader.by.multiplier();
       if (joint.kind == JointDescription::Kind::kRevolute) {
         Jw.col(found->second) += axis;
         Jv.col(found->second) += axis.cross(X_RI.translation() - X_RJ.translation());

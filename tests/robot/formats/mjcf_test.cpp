@@ -80,7 +80,7 @@ TEST_F(Mjcf, IsReadByMuJoCo) {
   EXPECT_NEAR(*robot.joint("j")->upper, std::numbers::pi / 2, 1e-9);
   EXPECT_EQ(robot.joint("j")->damping, 0.3);
   EXPECT_NEAR(*robot.joint("j")->effort, 15, 1e-12);
-  EXPECT_EQ(robot.joint("y")->follows->multiplier, 2);
+  EXPECT_EQ(robot.joint("y")->follows->multiplier(), 2);
   EXPECT_EQ(robot.link("a")->inertial->mass, 1.5);
   EXPECT_EQ(robot.sensors.size(), 1U);
   // About a place 0.2 over its origin, by a right angle: z to x.
@@ -126,6 +126,37 @@ TEST_F(Mjcf, MeshesClosedLoopsAndSensorsStay) {
   EXPECT_DOUBLE_EQ(again.joint("j")->friction, 0.02);
   ASSERT_EQ(again.actuators.size(), 1u);
   EXPECT_EQ(again.actuators[0].control, "position");
+}
+
+TEST_F(Mjcf, PolynomialCouplingsStay) {
+  std::ofstream(folder_ / "given.xml") << R"(<mujoco model="m"><compiler angle="radian"/>
+    <worldbody><body name="palm"><geom type="sphere" size="0.05"/>
+      <body name="a"><joint name="j" type="hinge" axis="0 0 1" limited="true" range="-1 1"/><geom type="sphere" size="0.01"/></body>
+      <body name="b"><joint name="k" type="hinge" axis="0 0 1"/><geom type="sphere" size="0.01"/></body>
+      <body name="c"><joint name="l" type="slide" axis="0 0 1"/><geom type="sphere" size="0.01"/></body>
+    </body></worldbody>
+    <equality><joint joint1="k" joint2="j" polycoef="0.1 0.5 0.2 -0.3 0.05"/>
+      <joint joint1="l" joint2="j" polycoef="0 0.02 0 0 0"/></equality></mujoco>)";
+  RobotDescription given;
+  const RobotDescription again = written_and_read(folder_ / "given.xml", &given);
+  for (const RobotDescription& robot : {given, again}) {
+    const Follows& follows = *robot.joint("k")->follows;
+    EXPECT_EQ(follows.coefficients, (std::vector<double>{0.1, 0.5, 0.2, -0.3, 0.05}));
+    EXPECT_TRUE(robot.joint("l")->follows->is_linear());
+    EXPECT_EQ(robot.joint("l")->follows->coefficients.size(), 2U);
+    const double q = 0.7;
+    const double at = 0.1 + 0.5 * q + 0.2 * q * q - 0.3 * q * q * q + 0.05 * q * q * q * q;
+    const auto poses = link_poses(robot, {{"j", q}});
+    EXPECT_NEAR(Eigen::AngleAxisd(poses.at("b").linear()).angle(), at, 1e-12);
+    EXPECT_NEAR(poses.at("c").translation().z(), 0.02 * q, 1e-15);
+  }
+  EXPECT_LT(difference(given, again).turn, 1e-12);
+  // And a line in its place is another robot.
+  RobotDescription line = given;
+  for (JointDescription& joint : line.joints) {
+    if (joint.name == "k") joint.follows = coupling_line(given, joint).line;
+  }
+  EXPECT_GT(difference(given, line).turn, 0.05);
 }
 
 TEST_F(Mjcf, RobotsOfOthersAreTheSameOnceMore) {

@@ -144,7 +144,7 @@ TEST_F(OracleOf, UrdfIsLibsdformatsConverter) {
         const std::string& name = robot.joints[static_cast<std::size_t>(leader.joint)].name;
         const auto found = q.find(name);
         const double at = found == q.end() ? 0 : found->second;
-        all[robot.joints[i].name] = leader.multiplier * at + leader.offset;
+        all[robot.joints[i].name] = leader.by.multiplier() * at + leader.by.offset();
       }
       RobotDescription uncoupled = again;
       for (JointDescription& joint : uncoupled.joints) joint.follows.reset();

@@ -78,20 +78,31 @@ TEST_F(Srdf, ComesBackAsItWas) {
   EXPECT_EQ(again.disabled_collisions, arm.disabled_collisions);
 }
 
-TEST_F(Srdf, WritersSayWhatTheyDrop) {
+TEST_F(Srdf, WritersSayWhatOthersDoNotRead) {
   RobotDescription arm = read_beside(kAll);
   arm.manipulators[0].closing[0].second = 1;
   arm.manipulators[0].X_TipTool.translation().z() = 0.1;
-  LossReport loss;
-  write_srdf(arm, loss);
-  EXPECT_THAT(loss.text(), AllOf(HasSubstr("closing directions"), HasSubstr("frame of the tool")));
   for (const char* format : {"urdf", "sdf"}) {
     LossReport its;
     format_named(format).write(arm, its);
-    EXPECT_THAT(its.text(), AllOf(HasSubstr("posture 'open'"), HasSubstr("passive joint"),
-                                  HasSubstr("manipulator 'grip'")))
+    EXPECT_TRUE(its.lossless());
+    EXPECT_THAT(its.text(), AllOf(HasSubstr("kept in prehend's extension"), HasSubstr("1 posture"),
+                                  HasSubstr("1 joint (passive)"), HasSubstr("1 manipulator")))
         << format;
   }
+  // What the SRDF says of it stands there, the rest in the URDF.
+  LossReport loss;
+  file("again.srdf", write_srdf(arm, loss));
+  RobotDescription again = arm;
+  take_out_srdf(again);
+  EXPECT_EQ(again.manipulators.size(), 1U);
+  EXPECT_TRUE(again.postures.empty());
+  file("again.urdf", format_named("urdf").write(again, loss));
+  EXPECT_TRUE(loss.lossless());
+  again = read_robot(folder_ / "again.urdf", loss);
+  ASSERT_EQ(again.manipulators.size(), 1U);
+  EXPECT_EQ(again.manipulators[0].closing, arm.manipulators[0].closing);
+  EXPECT_EQ(again.manipulators[0].X_TipTool.translation().z(), 0.1);
 }
 
 TEST_F(Srdf, BadFilesAreRefusedInWords) {

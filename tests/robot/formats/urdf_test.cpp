@@ -28,7 +28,7 @@ TEST_F(UrdfFiles, UrdfIsReadWhole) {
   const JointDescription& shoulder = *arm.joint("shoulder");
   EXPECT_EQ(*shoulder.lower, -2);
   EXPECT_EQ(shoulder.friction, 0.2);
-  EXPECT_EQ(arm.joint("elbow")->follows->offset, 0.03);
+  EXPECT_EQ(arm.joint("elbow")->follows->offset(), 0.03);
   // All but Gazebo's part was kept.
   ASSERT_EQ(loss_.entries().size(), 1U) << loss_.text();
   EXPECT_EQ(loss_.entries()[0].what, "robot/gazebo");

@@ -306,7 +306,7 @@ TEST_F(LearnHand, OffsetsOfFollowersAreWhereTheyStand) {
   formats::RobotDescription folded = robot;
   fold_offsets(folded);
   for (const formats::JointDescription& joint : folded.joints) {
-    EXPECT_EQ(joint.follows ? joint.follows->offset : 0, 0) << joint.name;
+    EXPECT_EQ(joint.follows ? joint.follows->offset() : 0, 0) << joint.name;
   }
   for (const double q : {-0.5, 0.0, 0.7}) {
     const auto before = link_poses(robot, {{"turn", q}}), after = link_poses(folded, {{"turn", q}});

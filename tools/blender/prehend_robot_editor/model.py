@@ -188,8 +188,9 @@ def positions(robot):
             if follows is None or follows["joint"] not in joints or depth > 64:
                 found[name] = position(thing)
             else:
-                found[name] = (follows.get("multiplier", 1.0) * of(follows["joint"], depth + 1)
-                               + follows.get("offset", 0.0))
+                line = (follows.get("offset", 0.0), follows.get("multiplier", 1.0))
+                found[name] = float(np.polynomial.polynomial.polyval(
+                    of(follows["joint"], depth + 1), follows.get("coefficients", line)))
         return found[name]
 
     return {name: of(name, 0) for name, (_, value) in joints.items() if value["kind"] in MOVING}
