@@ -136,7 +136,13 @@ class Reader {
 
   void read_mesh(CollisionShape& shape, const std::string& place) {
     std::vector<std::filesystem::path> looked;
-    const std::filesystem::path file = find_mesh_file(shape.mesh, folder_, &looked);
+    std::filesystem::path file;
+    try {
+      file = find_mesh_file(shape.mesh, folder_, &looked);
+    } catch (const InputError& error) {
+      fail(place + ": its mesh " + error.problem(),
+           "Name a file in its package, or one by its path");
+    }
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) {
       std::string places;

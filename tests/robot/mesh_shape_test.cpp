@@ -176,7 +176,11 @@ TEST_F(MeshShape, ErrorsNameLinkFileAndMend) {
       error("filename='package://my_arm/a.stl'"),
       testing::AllOf(HasSubstr("link 'forearm'"), HasSubstr((folder_ / "my_arm/a.stl").string()),
                      HasSubstr("ROS_PACKAGE_PATH")));
-  EXPECT_THAT(error("filename='package://'"), HasSubstr("link 'forearm'"));
+  for (const char* name : {"filename='package://'", "filename='package://p/../a.stl'",
+                           "filename='package://../a.stl'"}) {
+    EXPECT_THAT(error(name),
+                testing::AllOf(HasSubstr("link 'forearm'"), HasSubstr("leaves its package")));
+  }
   EXPECT_THAT(error("filename=''"), HasSubstr("robot.urdf"));
   EXPECT_THAT(error("filename='.'"), HasSubstr("link 'forearm'"));
   std::ofstream(folder_ / "noise.stl") << "no mesh at all";
