@@ -103,8 +103,9 @@ int run(const Options& options) {
       problems.front().start);
   eval::MotionTrials trials(robot, options.trial);
   std::vector<MotionResult> results;
-  int invalid = 0;
+  int tried = 0, invalid = 0;
   for (std::size_t i = 0; i < problems.size(); i += static_cast<std::size_t>(options.every)) {
+    ++tried;
     const std::string what = trials.invalid_problem(problems[i]);
     if (!what.empty()) {
       ++invalid;
@@ -116,7 +117,7 @@ int run(const Options& options) {
     fmt::print(stderr, "\r{} of {} problems", i + 1, problems.size());
   }
   fmt::print(stderr, "\n");
-  fmt::print("{} problems, of which {} are not valid\n", problems.size(), invalid);
+  fmt::print("{} of {} problems, of which {} are not valid\n", tried, problems.size(), invalid);
   print_results(results);
   if (!options.json.empty()) {
     text::Json all = text::Json::array();
