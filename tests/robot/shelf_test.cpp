@@ -178,8 +178,8 @@ TEST(Shelf, SensorHandOpensPressesAndClosesAsItsMakerSays) {
 
 TEST(Shelf, SensorHandHasAHandsLengths) {
   const HandModel hand = read_hand_model("config/robots/sensorhand.yaml");
-  // Buchholz's shares of the hand's length; the means of index and middle finger, bent by 60
-  // degrees.
+  // Shares of the hand's length as the URDF gives them, which says which were read; the means of
+  // index and middle finger, bent by 60 degrees.
   const double length = 0.185, finger_radius = 0.008, thumb_radius = 0.009;
   const double proximal = (0.245 + 0.266) / 2 * length;
   const double outer = (0.143 + 0.097 + 0.17 + 0.108) / 2 * length - finger_radius;

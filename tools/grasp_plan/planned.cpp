@@ -80,8 +80,7 @@ grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
   }
   options.candidates.seed = options.uncertainty.seed = choices.seed;
   options.preshapes = choices.preshapes;
-  return planned->platform ? planning::within_reach(std::move(options), *planned->platform)
-                           : options;
+  return options;
 }
 
 // Names that are unknown are refused before anything is planned.
@@ -169,7 +168,10 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   const grasp::HandToClose hand(planned.hand);
   const grasp::Obstacles obstacles = obstacles_of(target);
   const grasp::Reachability reachability = reachability_of(choices, planned);
-  const grasp::PlannerOptions options = options_of(choices, &planned);
+  grasp::PlannerOptions options = options_of(choices, &planned);
+  if (planned.platform) {
+    options.reaches = planning::arm_reach_over_table(*planned.platform, scene_of(target), arm);
+  }
   planned.plan = database ? grasp::plan_grasps_with_memory(
                                 *database, *target.known, target.object, target.table_W, obstacles,
                                 hand, reachability, options, &planned.remembered)

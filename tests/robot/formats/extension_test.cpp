@@ -346,6 +346,9 @@ TEST_F(HostileBlock, OfSdfAndMjcfIsRefusedToo) {
       "[{\"name\": \"s\", \"kind\": \"t\", \"link\": \"b\"}]}</prehend:robot>";
   EXPECT_THAT(sdf(wrong), AllOf(HasSubstr("a.sdf:2"), HasSubstr("there is no link 'b'")));
   EXPECT_THAT(sdf(wrong + "\n" + wrong), AllOf(HasSubstr("a.sdf:3"), HasSubstr("twice")));
+}
+
+TEST_F(Extension, WhatIsWrongInMjcfIsRefusedToo) {
   if (!has_mjcf()) GTEST_SKIP() << "built without MuJoCo";
   const auto mjcf = [&](const std::string& texts) {
     return error_of("a.xml", "<mujoco><worldbody><body name='a'/></worldbody>\n<custom>\n" + texts +
