@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "prehend/simulation/mesh_surface.h"
+
 namespace prehend::simulation {
 namespace {
 
@@ -79,14 +81,8 @@ double depth_in_body(const BodyModel& model, const Eigen::Vector3d& p_B, Eigen::
     normal = model.felt.X_BS.linear() * normal;
     return depth;
   }
-  const auto nearest = model.query->nearest(p_B, kDeepest);
-  if (!nearest) return -1;
-  const auto& mesh = *model.mesh;
-  const Eigen::Vector3i& t = mesh.triangles[nearest->triangle];
-  normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-               .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-               .normalized();
-  return normal.dot(p_B - nearest->point) < 0 ? nearest->distance : -1.0;
+  double depth = 0;
+  return mesh_depth(*model.query, p_B, kDeepest, normal, depth) ? depth : -1;
 }
 
 // Points of `model_a` inside body b.

@@ -8,6 +8,7 @@
 
 #include "grasping.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/simulation/shapes.h"
 
 namespace prehend::simulation {
 namespace {
@@ -225,6 +226,29 @@ TEST(World, RefusesBadObjects) {
   scene = lonely("box");
   scene.step = nan;
   EXPECT_THROW(World{scene}, std::invalid_argument);
+}
+
+// A point beside the edge of a lower face, level with that face, is not within the body: things of
+// meshes that stand beside each other on the table lie still.
+TEST(World, MeshesBesideEachOtherDoNotTouch) {
+  for (int k = 0; k < 24; ++k) {
+    const double yaw = 0.13 * k;
+    World world{Scene{}};
+    const auto put = [&](const std::string& name, const geometry::TriangleMesh& mesh, double x) {
+      geometry::RigidTransform X = geometry::RigidTransform::Identity();
+      X.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      X.translation() = X.linear() * Eigen::Vector3d(x, 0.004 * k, 0);
+      world.add_object(name, geometry::transformed(mesh, X), 0.2);
+    };
+    put("book", make_standing_box({0.12, 0.08, 0.02}), 0);
+    put("can", make_can(0.033, 0.1), 0.06 + 0.033 + 0.0008);
+    for (int step = 0; step < 20; ++step) {
+      world.step();
+      for (const char* name : {"book", "can"}) {
+        EXPECT_LT(world.body(name).velocity.norm(), 0.02) << name << " at " << yaw << " rad";
+      }
+    }
+  }
 }
 
 }  // namespace
