@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "prehend/launch/launch_file.h"
+#include "prehend/text/named_file.h"
 #include "prehend/text/nearest_match.h"
 
 namespace prehend::launch {
@@ -101,7 +103,7 @@ void take_arguments(LaunchScope& scope, const YAML::Node& root,
 void take_values(LaunchScope& scope, const YAML::Node& list) {
   if (!list || list.IsNull()) return;
   if (!list.IsMap()) {
-    fail(scope, list, "values must be a mapping of names to {then, if, otherwise}");
+    fail(scope, list, "values must be a mapping of names to {then, if, otherwise} or {file, of}");
   }
   for (const auto& entry : list) {
     const std::string& name = entry.first.Scalar();
@@ -109,9 +111,20 @@ void take_values(LaunchScope& scope, const YAML::Node& list) {
     if (scope.values.count(name) > 0) {
       fail(scope, entry.first, what + " has a name that is already taken");
     }
-    check_keys(scope, entry.second, what, {"then", "if", "otherwise"});
-    for (const char* key : {"then", "if", "otherwise"}) {
+    const bool is_file = entry.second.IsMap() && entry.second["file"];
+    const std::vector<std::string> keys = is_file
+                                              ? std::vector<std::string>{"file", "of"}
+                                              : std::vector<std::string>{"then", "if", "otherwise"};
+    check_keys(scope, entry.second, what, keys);
+    for (const std::string& key : keys) {
       if (!entry.second[key]) fail(scope, entry.second, what + " needs the key \"" + key + "\"");
+    }
+    if (is_file) {
+      const std::string file = text_of(scope, entry.second["file"], what);
+      const std::string folder = text_of(scope, entry.second["of"], what);
+      // Whether there is such a file is known when the argument is.
+      scope.values[name] = is_open(file) ? file : text::file_meant(folder, file).string();
+      continue;
     }
     const bool holds = condition_of(scope, entry.second["if"]);
     scope.values[name] = text_of(scope, entry.second[holds ? "then" : "otherwise"], what);

@@ -232,6 +232,25 @@ nodes: [{node: simulation, remap: {/arm/*: $(prefix)/arm/*, /arm/stop: /arm/stop
   EXPECT_THAT(error_of(text, {"time:=wall"}), HasSubstr("has no argument \"time\""));
 }
 
+TEST_F(LaunchFileTest, AValueIsANamedFileOfAFolderOrOnesOwn) {
+  const std::string text = R"yaml(
+arguments: {scene: {default: demo}}
+values: {file: {file: $(scene), of: /no/such/folder}}
+nodes: [{node: simulation, parameters: {scene: $(file)}}]
+)yaml";
+  const auto file = [&](const std::string& scene) {
+    return load(text, {"scene:=" + scene}).nodes[0].parameters.at("scene");
+  };
+  EXPECT_EQ(load(text).nodes[0].parameters.at("scene"), "/no/such/folder/demo.yaml");
+  EXPECT_EQ(file("mine.yaml"), "mine.yaml");
+  EXPECT_EQ(file("heaps/mine.yaml"), "heaps/mine.yaml");
+  EXPECT_EQ(file("/heaps/mine.yaml"), "/heaps/mine.yaml");
+  const std::string nodes = "\nnodes: [{node: report}]\n";
+  EXPECT_THAT(error_of("values: {a: {file: b}}" + nodes), HasSubstr("needs the key \"of\""));
+  EXPECT_THAT(error_of("values: {a: {file: b, of: c, if: true}}" + nodes),
+              HasSubstr("unknown key \"if\""));
+}
+
 TEST_F(LaunchFileTest, WhatIsNotOfferedIsRefusedByName) {
   const std::string text = R"(
 arguments: {arm: {default: sim, choices: [sim, rsi]}, platform: {default: stage}}
