@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   add_graph_command(app);
   add_doctor_command(app, outcome);
   add_explain_command(app);
+  add_clutter_command(app);
   add_plan_command(app);
   add_model_command(app);
   add_calibrate_command(app);

@@ -265,10 +265,7 @@ RobotWorld::RobotWorld(const robot::Platform& platform, const Scene& scene, cons
     BodyModel model = make_body(object.name, object_mesh(object), object.mass, object.friction,
                                 scene.table.friction, {}, primitive ? &*primitive : nullptr);
     model.texture = object.texture;
-    RigidTransform X_WB = RigidTransform::Identity();
-    X_WB.translation() = Eigen::Vector3d(object.x, object.y, 0);
-    X_WB.linear() = Eigen::AngleAxisd(object.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    world.add(std::move(model), object.friction, X_WB);
+    world.add(std::move(model), object.friction, object.pose());
   }
   world.build();
   set_hand(platform.hand.preshapes.front().open);

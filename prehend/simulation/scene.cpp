@@ -130,8 +130,17 @@ void validate(const Scene& scene) {
     require_not_negative(object.friction, owner + ".friction");
     require(std::isfinite(object.x) && std::isfinite(object.y) && std::isfinite(object.yaw),
             owner + ".x, y, yaw", "finite");
+    require(!object.X_WB || object.X_WB->matrix().allFinite(), owner + ".position", "finite");
     validate_texture(object.texture, owner);
   }
+}
+
+geometry::RigidTransform SceneObject::pose() const {
+  if (X_WB) return *X_WB;
+  geometry::RigidTransform upright = geometry::RigidTransform::Identity();
+  upright.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  upright.translation() = Eigen::Vector3d(x, y, 0);
+  return upright;
 }
 
 std::optional<FeltShape> primitive_shape(const SceneObject& object) {

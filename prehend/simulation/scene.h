@@ -69,7 +69,7 @@ struct TableModel {
   Texture texture{Texture::Pattern::kWood, {0.62, 0.47, 0.32}, {0.45, 0.32, 0.2}, 0.3, 0.02, 7};
 };
 
-/// One object that stands on the table at the start.
+/// One object that stands on the table at the start, or lies or leans where `X_WB` says.
 struct SceneObject {
   std::string name;
   /// box (size), can, bottle (radius, height), mug (radius, height, wall), spray_bottle (size:
@@ -87,7 +87,13 @@ struct SceneObject {
   double x = 0;           // m
   double y = 0;           // m
   double yaw = 0;         // rad
+  /// Of its mesh's frame B, in place of x, y and yaw. YAML: `position` [m] and `orientation`
+  /// (quaternion, w first).
+  std::optional<geometry::RigidTransform> X_WB;
   Texture texture;
+
+  /// Where frame B is at the start.
+  geometry::RigidTransform pose() const;
 };
 
 /// What a simulation starts from: config/scenes/*.yaml. Every key of the YAML is a field here, of
@@ -123,6 +129,11 @@ struct Scene {
 /// @throws geometry::InputError "file:line: what is wrong" with the mend: missing or foreign file,
 /// unknown key (with the nearest known one), wrong type, value out of range, two objects of a name.
 Scene read_scene(const std::filesystem::path& path, const std::filesystem::path& robot = {});
+
+/// Writes what a scene says of objects, table, camera and light, to be read by read_scene(); meshes
+/// by their paths relative to the file's folder. All else stays as it is by default.
+/// @throws geometry::InputError for a file that cannot be written.
+void write_scene(const std::filesystem::path& path, const Scene& scene, const std::string& remark);
 
 /// Checks every value of a scene made in code. @throws std::invalid_argument naming the field.
 void validate(const Scene& scene);

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/simulation/hardware_yaml.h"
@@ -119,6 +121,41 @@ void note_keys(const YAML::Node& map, const std::string& prefix, std::map<std::s
   }
 }
 
+// `position` and `orientation`, or neither.
+void read_pose(text::YamlMap& map, SceneObject& object) {
+  const bool lies = map.child("position").IsDefined();
+  const YAML::Node orientation = map.child("orientation");
+  if (!lies) {
+    if (orientation.IsDefined()) {
+      map.fail("orientation", "is given without a position", "Add `position: [x, y, z]` in metres");
+    }
+    return;
+  }
+  for (const char* upright : {"x", "y", "yaw"}) {
+    if (map.child(upright).IsDefined()) {
+      map.fail(upright, "is given beside a position", "Leave one of them out");
+    }
+  }
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  map.read("position", position);
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+  if (orientation.IsDefined()) {
+    const char* mend = "Write the quaternion [w, x, y, z] of unit length";
+    std::vector<double> numbers;
+    try {
+      numbers = orientation.as<std::vector<double>>();
+    } catch (const YAML::Exception&) {
+      map.fail("orientation", "is no list of four numbers", mend);
+    }
+    if (numbers.size() != 4) map.fail("orientation", "is no list of four numbers", mend);
+    q_WB = Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]);
+    if (!(std::abs(q_WB.norm() - 1) < 1e-3)) {
+      map.fail("orientation", "is not of unit length", mend);
+    }
+  }
+  object.X_WB = geometry::make_transform(q_WB, position);
+}
+
 SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t index) {
   SceneObject object;
   text::YamlMap map(node, file, "objects[" + std::to_string(index) + "]");
@@ -137,6 +174,7 @@ SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t in
   map.read("x", object.x);
   map.read("y", object.y);
   map.read("yaw", object.yaw);
+  read_pose(map, object);
   if (const YAML::Node texture = map.child("texture")) {
     read_texture(texture, file, "object '" + object.name + "'", object.texture);
   }

@@ -188,13 +188,10 @@ World::World(const Scene& scene) {
   }
   implementation_ = std::make_unique<Implementation>(scene);
   for (const SceneObject& object : scene.objects) {
-    RigidTransform X_WB = RigidTransform::Identity();
-    X_WB.linear() = Eigen::AngleAxisd(object.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    X_WB.translation() = Eigen::Vector3d(object.x, object.y, 0);
     BodyModel model = implementation_->make_model(object.name, object_mesh(object), object.mass,
                                                   object.friction, primitive_shape(object));
     model.texture = object.texture;
-    implementation_->add(std::move(model), X_WB);
+    implementation_->add(std::move(model), object.pose());
   }
   implementation_->wake_all();
   implementation_->reload_engine();

@@ -1,5 +1,6 @@
 #include "prehend/simulation/scene.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -202,6 +203,84 @@ TEST_F(SceneFile, BadValuesAreRefused) {
   refused("tactile: {noise: .nan}\n", "noise");
   refused("tactile: {period: 0}\n", "period");
   refused("wrench: {force_range: 0}\n", "force_range");
+}
+
+TEST_F(SceneFile, AnObjectLiesWhereItsPoseSays) {
+  const Scene scene = read(
+      "objects:\n  - {name: a, position: [0.1, 0.2, 0.3], orientation: [0.5, 0.5, 0.5, 0.5]}\n"
+      "  - {name: b, x: 0.1, y: 0.2, yaw: 1.2}\n  - {name: c, position: [0.1, 0.2, 0.3]}\n");
+  const geometry::RigidTransform X_WA = scene.objects[0].pose(), X_WB = scene.objects[1].pose();
+  EXPECT_LT((X_WA * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.1, 1.2, 0.3)).norm(), 1e-12);
+  EXPECT_LT((X_WB * Eigen::Vector3d::UnitX() -
+             Eigen::Vector3d(0.1 + std::cos(1.2), 0.2 + std::sin(1.2), 0))
+                .norm(),
+            1e-12);
+  EXPECT_TRUE(scene.objects[2].pose().linear().isIdentity());
+  const auto refused = [this](const std::string& keys, const std::string& part) {
+    const std::string error = error_of("objects:\n  - {name: a, " + keys + "}\n");
+    EXPECT_NE(error.find(":2: "), std::string::npos) << error;
+    EXPECT_NE(error.find(part), std::string::npos) << error;
+  };
+  refused("position: [0, 0, 0], yaw: 1", "yaw");
+  refused("orientation: [1, 0, 0, 0]", "position");
+  refused("position: [0, 0, 0], orientation: [1, 0, 0]", "four");
+  refused("position: [0, 0, 0], orientation: [a, 0, 0, 0]", "four");
+  refused("position: [0, 0, 0], orientation: [1, 1, 0, 0]", "unit");
+  refused("position: [0, 0, 0], orientation: [.nan, 0, 0, 0]", "unit");
+  refused("position: [0, 0]", "position");
+}
+
+// Each shape with numbers of its own, and a pose of either kind.
+TEST_F(SceneFile, WhatIsWrittenIsReadAgain) {
+  Scene scene;
+  for (const char* shape : {"box", "can", "bottle", "mug", "spray_bottle", "ball"}) {
+    SceneObject& object = scene.objects.emplace_back();
+    const double n = static_cast<double>(scene.objects.size());
+    object.name = std::string(shape) + " of " + shape;
+    object.shape = shape;
+    object.size = {0.05 + 0.001 * n, 0.06, 0.13};
+    object.radius = 0.02 + 0.001 * n;
+    object.height = 0.1 + 0.01 * n;
+    object.wall = 0.003;
+    object.mass = 0.1 * n;
+    object.friction = 0.4 + 0.05 * n;
+    object.x = 0.11 * n;
+    object.yaw = -0.3 * n;
+    object.texture.pattern = Texture::Pattern::kLabel;
+    object.texture.color = {0.1, 0.2, 0.3};
+    object.texture.seed = 40 + static_cast<std::uint32_t>(n);
+  }
+  scene.objects.back().X_WB = geometry::make_transform({0.1, 0.7, -0.5, 0.5}, {0.3, -0.2, 0.11});
+  scene.camera.eye = {0.4, 0.1, 0.6};
+  scene.camera.noise = 3.5;
+  scene.camera.seed = 77;
+  scene.light = {{0.1, 0.2, 0.9}, 0.31};
+  scene.table.friction = 0.37;
+  write_scene(path_, scene, "A test.");
+  const Scene read = read_scene(path_);
+  ASSERT_EQ(read.objects.size(), scene.objects.size());
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject &a = scene.objects[i], &b = read.objects[i];
+    SCOPED_TRACE(a.name);
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.shape, b.shape);
+    EXPECT_LT((a.pose().matrix() - b.pose().matrix()).norm(), 1e-6);
+    const Eigen::AlignedBox3d was = geometry::bounds(object_mesh(a)),
+                              is = geometry::bounds(object_mesh(b));
+    EXPECT_LT((was.min() - is.min()).norm() + (was.max() - is.max()).norm(), 1e-6);
+    EXPECT_NEAR(a.mass, b.mass, 1e-9);
+    EXPECT_NEAR(a.friction, b.friction, 1e-9);
+    EXPECT_EQ(a.texture.pattern, b.texture.pattern);
+    EXPECT_EQ(a.texture.seed, b.texture.seed);
+    EXPECT_LT((a.texture.color - b.texture.color).norm(), 1e-6);
+  }
+  EXPECT_LT((read.camera.eye - scene.camera.eye).norm(), 1e-9);
+  EXPECT_EQ(read.camera.noise, 3.5);
+  EXPECT_EQ(read.camera.seed, 77u);
+  EXPECT_LT((read.light.direction - scene.light.direction).norm(), 1e-9);
+  EXPECT_EQ(read.light.ambient, 0.31);
+  EXPECT_EQ(read.table.friction, 0.37);
+  EXPECT_THROW(write_scene("no_such_folder/scene.yaml", scene, ""), geometry::InputError);
 }
 
 TEST_F(SceneFile, ForeignFilesAreRefused) {
