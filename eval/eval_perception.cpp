@@ -15,6 +15,7 @@
 #include <opencv2/core.hpp>
 
 #include "eval/case_choice.h"
+#include "eval/platform/clutter_cases.h"
 #include "eval/segmentation_accuracy.h"
 #include "eval/stereo_accuracy.h"
 #include "eval/text_files.h"
@@ -121,6 +122,7 @@ void add_table(report::Page& page, prehend::text::Json& json, const fs::path& fo
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/perception");
   int scenes = 8;
+  int clutter = 28;
 };
 
 // The tables of one run, in each of their forms.
@@ -184,6 +186,22 @@ bool add_views(const std::vector<eval::Case>& cases, const eval::CaseRunOptions&
   return views.size() == cases.size();
 }
 
+// Heaps of the household's and scanned things, half of them by either sensor.
+void add_clutter(const std::vector<eval::DataSet>& sets, const Options& options, Tables& tables) {
+  if (options.clutter == 0) return;
+  const auto solids = eval::clutter_solids(sets, 1);
+  std::vector<eval::ViewSegmentation> views;
+  for (const auto& one : eval::clutter_cases(options.clutter, options.choice.seed)) {
+    for (const auto sensor : {eval::DepthSensor::kStereo, eval::DepthSensor::kStructuredLight}) {
+      views.push_back(eval::clutter_view(one, solids, sensor));
+    }
+    std::fprintf(stderr, "\rclutter: %zu of %d scenes", views.size() / 2, options.clutter);
+  }
+  std::fprintf(stderr, "\n");
+  tables.add("clutter", "Generated clutter, 1 to 12 objects a scene", kSegmentationHeader,
+             segmentation_rows(eval::by_group(views)));
+}
+
 int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
@@ -195,6 +213,7 @@ int run(const Options& options) {
     add_recordings(tables);
     tables.add("rendered", "Rendered tables, four objects each", kSegmentationHeader,
                segmentation_rows(eval::rendered_segmentation(options.scenes, options.choice.seed)));
+    add_clutter(sets, options, tables);
   }
   const bool complete = add_views(cases, options.choice.runs(), tables);
   tables.page.write(tables.folder / "index.html");
@@ -209,12 +228,19 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Perception against the truth: disparities and labels of real recordings where "
-      "PREHEND_SHARED_DATA names their folder, rendered tables with four objects each, and views "
-      "of single bodies with all that is beside them. With --groups or --meshes only the views. "
+      "PREHEND_SHARED_DATA names their folder, rendered tables with four objects each, generated "
+      "clutter, and views of single bodies with all that is beside them. With --groups or --meshes "
+      "only the views. "
       "A run that was interrupted goes on with the views that are missing.");
   eval::add_case_options(app, options.choice);
   app.add_option("--scenes", options.scenes, "tables rendered for each condition")
       ->check(CLI::Range(1, 1000))
+      ->capture_default_str()
+      ->excludes("--groups")
+      ->excludes("--meshes");
+  app.add_option("--clutter", options.clutter,
+                 "scenes of things that touch, lie on, lean on and hide one another; 0: none")
+      ->check(CLI::Range(0, 10000))
       ->capture_default_str()
       ->excludes("--groups")
       ->excludes("--meshes");

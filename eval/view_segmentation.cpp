@@ -71,9 +71,8 @@ std::vector<SegmentationRun> combined(
 
 }  // namespace
 
-ViewSegmentation segment_view(const Case& one) {
-  ViewSegmentation view{one.name(), one.data_set->group, one.data_set->name, {}};
-  const RenderedScene rendered = scene_of(one);
+SegmentationRun segment_rendered(const RenderedScene& rendered) {
+  SegmentationRun seen;
   simulation::RenderOptions render;
   render.threads = 1;  // processes share the cores
   const simulation::StereoImages images =
@@ -86,14 +85,17 @@ ViewSegmentation segment_view(const Case& one) {
   } catch (const geometry::InputError&) {
     scene.objects.clear();  // no table: everything is missed
   }
-  view.seen.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  view.seen.errors = segmentation_errors(masks_of(scene), images.labels);
+  seen.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seen.errors = segmentation_errors(masks_of(scene), images.labels);
   DepthErrors errors;
   errors.add(depth, images);
-  view.seen.depth_error = errors.median();
-  view.seen.depth_missing = errors.missing_share();
-  return view;
+  seen.depth_error = errors.median();
+  seen.depth_missing = errors.missing_share();
+  return seen;
+}
+
+ViewSegmentation segment_view(const Case& one) {
+  return {one.name(), one.data_set->group, one.data_set->name, segment_rendered(scene_of(one))};
 }
 
 void write_view(const std::filesystem::path& file, const ViewSegmentation& view) {

@@ -17,8 +17,10 @@ struct ViewSegmentation {
   SegmentationRun seen;  // of the case's object and the other bodies of its scene
 };
 
-/// Renders the case with all that is in its scene, measures depth by its sensor and segments it.
+/// Renders the scene, measures depth by its sensor and segments it; the condition is left empty.
 /// Without a table everything is missed.
+SegmentationRun segment_rendered(const RenderedScene& rendered);
+/// Renders the case with all that is in its scene, measures depth by its sensor and segments it.
 ViewSegmentation segment_view(const Case& one);
 
 /// Writes the result as YAML so that the file is whole or absent.

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/case_choice.h"
+#include "eval/platform/launched.h"
 #include "eval/platform/pick_run.h"
 #include "eval/text_files.h"
 #include "prehend/robot/robot_files.h"

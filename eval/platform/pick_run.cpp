@@ -1,22 +1,14 @@
 #include "eval/platform/pick_run.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <csignal>
-#include <cstring>
 #include <map>
 #include <optional>
-#include <stdexcept>
-#include <thread>
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
+#include "eval/platform/launched.h"
 #include "eval/text_files.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/grasp.pb.h"
@@ -24,9 +16,6 @@
 #include "msgs/sensors.pb.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/recording/mcap_reader.h"
-#include "prehend/text/tree_file.h"
-
-extern char** environ;  // NOLINT: POSIX
 
 namespace prehend::eval {
 namespace {
@@ -39,39 +28,6 @@ constexpr double kRaised = 0.05;     // m
 constexpr double kPutDown = 0.01;    // m, over the table
 constexpr double kDisturbed = 0.02;  // m
 constexpr const char* kNames[] = {"picked", "no grasp", "failed", "false claim"};
-
-/// Runs `prehend`, its output in `log`; the exit code, -1 when it had to be killed.
-int run_prehend(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                const std::filesystem::path& log) {
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_CREAT | O_WRONLY | O_TRUNC,
-                                   0644);
-  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
-  std::vector<char*> words;
-  words.push_back(const_cast<char*>(program.c_str()));
-  for (const std::string& argument : arguments) {
-    words.push_back(const_cast<char*>(argument.c_str()));
-  }
-  words.push_back(nullptr);
-  pid_t pid = -1;
-  const int error = posix_spawn(&pid, program.c_str(), &files, nullptr, words.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (error != 0) {
-    throw std::runtime_error("cannot start " + program.string() + ": " + std::strerror(error));
-  }
-  const auto deadline = steady_clock::now() + kTimeout;
-  int status = 0;
-  while (waitpid(pid, &status, WNOHANG) == 0) {
-    if (steady_clock::now() > deadline) {
-      kill(pid, SIGINT);  // it stops its nodes
-      waitpid(pid, &status, 0);
-      return -1;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 struct Path {                                             // of a body
   double first_height = 0, highest = 0, last_height = 0;  // m
@@ -191,23 +147,6 @@ void judge(const Recorded& recorded, int exit_code, PickResult* result) {
 
 std::string to_string(Outcome outcome) { return kNames[static_cast<std::size_t>(outcome)]; }
 
-std::vector<std::string> launch_arguments(const std::vector<std::string>& words) {
-  constexpr const char* kOwn[] = {"platform", "scene", "out", "speed", "record"};
-  for (const std::string& word : words) {
-    const std::size_t at = word.find(":=");
-    if (at == 0 || at == std::string::npos) {
-      throw geometry::InputError("The launch argument '" + word + "' is not NAME:=VALUE",
-                                 "Write e.g. minimum_stability:=0.1");
-    }
-    const std::string name = word.substr(0, at);
-    if (std::find(std::begin(kOwn), std::end(kOwn), name) != std::end(kOwn)) {
-      throw geometry::InputError("The launch argument '" + name + "' is given by the evaluation",
-                                 "Leave it out; --platform and --out choose theirs");
-    }
-  }
-  return words;
-}
-
 PickResult run_pick(const TableScene& scene, const std::string& platform,
                     const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                     const std::filesystem::path& programs) {
@@ -216,22 +155,9 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
   result.platform = platform;
   result.bodies = static_cast<int>(scene.bodies.size());
   const std::filesystem::path file = std::filesystem::absolute(write_scene(scene, folder));
-  // Launch files name scenes without .yaml, from config/scenes.
-  const std::filesystem::path scenes = std::filesystem::absolute(text::tree_file("config/scenes"));
-  std::filesystem::path name = std::filesystem::relative(file, scenes);
-  name.replace_extension();
-  std::vector<std::string> words{"launch",
-                                 text::tree_file("launch/demo.yaml"),
-                                 "platform:=" + platform,
-                                 "scene:=" + name.string(),
-                                 "out:=" + std::filesystem::absolute(folder).string(),
-                                 "speed:=0",
-                                 "record:=true",
-                                 "--log-dir",
-                                 (std::filesystem::absolute(folder) / "log").string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
   const auto start = steady_clock::now();
-  const int exit_code = run_prehend(programs / "prehend", words, folder / "output.txt");
+  const int exit_code = run_prehend(programs, demo_words(file, platform, folder, arguments),
+                                    folder / "output.txt", kTimeout);
   result.seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
   try {
     judge(read_recording(folder / "recording.mcap"), exit_code, &result);

@@ -40,10 +40,6 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
                     const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                     const std::filesystem::path& programs);
 
-/// `words`, when each is NAME:=VALUE; whether launch/demo.yaml has them the launch says.
-/// @throws geometry::InputError naming what is none, or what run_pick() gives itself.
-std::vector<std::string> launch_arguments(const std::vector<std::string>& words);
-
 /// As a file, and back. @throws geometry::InputError for a file that is none.
 void write_pick(const std::filesystem::path& file, const PickResult& result);
 PickResult read_pick(const std::filesystem::path& file);

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "eval/grasp/resting_pose.h"
-#include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
+#include "prehend/simulation/scene.h"
 
 namespace prehend::eval {
 namespace {
@@ -27,29 +27,27 @@ constexpr double kLightest = 0.03, kHeaviest = 0.8;  // kg
 constexpr int kMostBodies = 4;
 constexpr int kTries = 200;  // of a place for a body
 
-struct Resting {
-  std::string name;
-  std::shared_ptr<const TriangleMesh> mesh_B;
-  double mass = 0, radius = 0;  // kg; m, of the circle round its footprint
-};
+// m, of the circle round its footprint
+double radius_of(const PlacedBody& body) {
+  return geometry::bounds(*body.mesh_B).sizes().head<2>().norm() / 2;
+}
 
-Resting resting(const DataSet& set) {
-  Resting result;
-  result.name = set.name;
+}  // namespace
+
+PlacedBody resting_body(const DataSet& set) {
+  PlacedBody body;
+  body.name = set.name;
   const double volume = geometry::mass_properties(*set.mesh_B).volume;
-  result.mass = std::clamp(kDensity * volume, kLightest, kHeaviest);
+  body.mass = std::clamp(kDensity * volume, kLightest, kHeaviest);
   auto mesh = std::make_shared<TriangleMesh>(geometry::transformed(
-      *set.mesh_B, resting_pose(*set.mesh_B, geometry::RigidTransform::Identity(), result.mass)));
+      *set.mesh_B, resting_pose(*set.mesh_B, geometry::RigidTransform::Identity(), body.mass)));
   const Eigen::AlignedBox3d box = geometry::bounds(*mesh);
   for (Eigen::Vector3d& p : mesh->vertices) {
     p -= Eigen::Vector3d(box.center().x(), box.center().y(), box.min().z());
   }
-  result.radius = box.sizes().head<2>().norm() / 2;
-  result.mesh_B = std::move(mesh);
-  return result;
+  body.mesh_B = std::move(mesh);
+  return body;
 }
-
-}  // namespace
 
 std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int count,
                                           std::uint64_t seed) {
@@ -63,7 +61,7 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
         "No body of the chosen groups stands alone and is at most 0.3 m large",
         "Choose other --groups or --meshes");
   }
-  std::map<std::size_t, Resting> known;
+  std::map<std::size_t, PlacedBody> known;
   std::mt19937_64 random(seed);
   const auto within = [&random](double limit) {
     return std::uniform_real_distribution<double>(-limit, limit)(random);
@@ -78,19 +76,20 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
       const std::size_t which =
           std::uniform_int_distribution<std::size_t>(0, alone.size() - 1)(random);
       auto found = known.find(which);
-      if (found == known.end()) found = known.emplace(which, resting(*alone[which])).first;
-      const Resting& body = found->second;
+      if (found == known.end()) found = known.emplace(which, resting_body(*alone[which])).first;
+      const PlacedBody& body = found->second;
+      const double radius = radius_of(body);
       for (int t = 0; t < kTries; ++t) {
         const double x = within(kReachX), y = within(kReachY);
         bool is_free = true;
         for (std::size_t k = 0; k < radii.size(); ++k) {
           const PlacedBody& other = scene.bodies[k];
-          is_free = is_free && std::hypot(x - other.x, y - other.y) > radii[k] + body.radius + kGap;
+          is_free = is_free && std::hypot(x - other.x, y - other.y) > radii[k] + radius + kGap;
         }
         if (!is_free) continue;
         scene.bodies.push_back({fmt::format("{}_{}", body.name, b), body.mesh_B, body.mass, x, y,
                                 within(std::numbers::pi)});
-        radii.push_back(body.radius);
+        radii.push_back(radius);
         break;
       }
     }
@@ -100,21 +99,26 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
 
 std::filesystem::path write_scene(const TableScene& scene, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  std::string text = "# Made by eval_platform.\nobjects:\n";
-  static constexpr const char* kColors[] = {"[0.75, 0.25, 0.2]", "[0.2, 0.45, 0.75]",
-                                            "[0.3, 0.6, 0.3]", "[0.8, 0.65, 0.2]"};
+  static const Eigen::Vector3d kColors[] = {
+      {0.75, 0.25, 0.2}, {0.2, 0.45, 0.75}, {0.3, 0.6, 0.3}, {0.8, 0.65, 0.2}};
+  simulation::Scene written;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const PlacedBody& body = scene.bodies[i];
-    const std::string file = body.name + ".ply";
-    geometry::write_mesh_file(folder / file, *body.mesh_B);
-    text += fmt::format(
-        "  - {{name: {}, shape: mesh, file: {}, mass: {:.4f}, x: {:.4f}, y: {:.4f}, yaw: {:.4f}, "
-        "texture: {{pattern: noise, color: {}, second_color: [0.9, 0.88, 0.82], seed: {}}}}}\n",
-        body.name, file, body.mass, body.x, body.y, body.yaw, kColors[i % std::size(kColors)],
-        i + 1);
+    simulation::SceneObject& object = written.objects.emplace_back();
+    object.name = body.name;
+    object.shape = "mesh";
+    object.file = folder / (body.name + ".ply");
+    object.mass = body.mass;
+    object.x = body.x;
+    object.y = body.y;
+    object.yaw = body.yaw;
+    object.texture.color = kColors[i % std::size(kColors)];
+    object.texture.second_color = {0.9, 0.88, 0.82};
+    object.texture.seed = static_cast<std::uint32_t>(i + 1);
+    geometry::write_mesh_file(object.file, *body.mesh_B);
   }
   const std::filesystem::path file = folder / "scene.yaml";
-  write_text(file, text);
+  simulation::write_scene(file, written, "Made by eval_platform.");
   return file;
 }
 

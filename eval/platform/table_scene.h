@@ -20,6 +20,9 @@ struct PlacedBody {
   double yaw = 0;                                        // rad
 };
 
+/// The data set's body as it comes to rest by itself, at the origin.
+PlacedBody resting_body(const DataSet& set);
+
 /// One to four bodies on a table, apart from each other.
 struct TableScene {
   std::string name;

@@ -7,6 +7,7 @@
 
 #include "eval/case_runs.h"
 #include "eval/household_objects.h"
+#include "eval/platform/launched.h"
 #include "eval/platform/pick_run.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/simulation/world.h"

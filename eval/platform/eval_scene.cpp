@@ -1,0 +1,244 @@
+// Clutter, cleared: the launch file's whole chain on tables of things that touch, lie on, lean on
+// and hide one another.
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include "eval/case_choice.h"
+#include "eval/platform/clear_run.h"
+#include "eval/platform/clutter_cases.h"
+#include "eval/platform/launched.h"
+#include "eval/text_files.h"
+#include "prehend/report/page.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
+
+namespace {
+
+using namespace prehend;
+using eval::ClearResult;
+namespace fs = std::filesystem;
+
+struct Options {
+  eval::CaseChoice choice = eval::default_choice("out/scene");
+  std::vector<std::string> platforms{"stage_pg70"};
+  int scenes = 28;
+  double widest = 0.06;                // m
+  std::vector<std::string> arguments;  // of the launch file
+};
+
+struct Run {
+  const eval::ClutterCase* scene;
+  std::string platform;
+  std::string name() const { return platform + "_" + scene->name; }
+};
+
+std::optional<ClearResult> known_result(const fs::path& file) {
+  if (!fs::exists(file)) return std::nullopt;
+  try {
+    return eval::read_clear(file);
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+    return std::nullopt;
+  }
+}
+
+// Sums over runs.
+struct Sum {
+  int scenes = 0, ended = 0, bodies = 0, found = 0, cleared = 0, attempts = 0, neighbours = 0;
+  double simulated = 0, seconds = 0;  // s
+  std::map<std::string, int> failures;
+
+  void add(const ClearResult& r) {
+    ++scenes;
+    ended += r.ended ? 1 : 0;
+    bodies += r.bodies;
+    found += std::min(r.found, r.bodies);
+    cleared += r.cleared;
+    attempts += r.attempts;
+    neighbours += r.neighbours;
+    simulated += r.simulated;
+    seconds += r.seconds;
+    for (const auto& [cause, count] : r.failures) failures[cause] += count;
+  }
+  std::vector<std::string> row(const std::string& platform, const std::string& kind) const {
+    std::string causes;
+    for (const auto& [cause, count] : failures) {
+      causes += fmt::format("{}{} {}", causes.empty() ? "" : ", ", cause, count);
+    }
+    return {
+        platform,
+        kind,
+        fmt::format("{}", scenes),
+        fmt::format("{} of {} ({:.0f} %)", cleared, bodies, 100.0 * cleared / std::max(1, bodies)),
+        fmt::format("{}", found),
+        cleared > 0 ? fmt::format("{:.2f}", 1.0 * attempts / cleared) : "-",
+        simulated > 0 ? fmt::format("{:.0f}", 3600 * cleared / simulated) : "-",
+        causes.empty() ? "-" : causes,
+        fmt::format("{}", neighbours),
+        fmt::format("{}", scenes - ended),
+        fmt::format("{:.1f}", seconds / std::max(1, scenes))};
+  }
+};
+
+const std::vector<std::string> kHeader{
+    "platform",      "kind",    "scenes",          "cleared",          "seen in the first look",
+    "attempts each", "an hour", "failed attempts", "neighbours moved", "without an end",
+    "s a scene"};
+
+std::vector<std::vector<std::string>> rows_of(const std::vector<std::string>& platforms,
+                                              const std::vector<ClearResult>& results) {
+  std::vector<std::vector<std::string>> rows;
+  for (const std::string& platform : platforms) {
+    std::map<std::string, Sum> kinds;
+    Sum all;
+    for (const ClearResult& r : results) {
+      if (r.platform != platform) continue;
+      kinds[r.kind].add(r);
+      all.add(r);
+    }
+    for (const auto& [kind, sum] : kinds) rows.push_back(sum.row(platform, kind));
+    rows.push_back(all.row(platform, "all"));
+  }
+  return rows;
+}
+
+std::string csv_of(const std::vector<ClearResult>& results) {
+  std::string text =
+      "platform,scene,kind,bodies,found,cleared,attempts,neighbours,simulated_s,seconds,ended,"
+      "left,reason\n";
+  for (const ClearResult& r : results) {
+    std::string reason = r.reason;
+    std::replace(reason.begin(), reason.end(), '"', '\'');
+    text += fmt::format("{},{},{},{},{},{},{},{},{:.1f},{:.1f},{},{},\"{}\"\n", r.platform, r.scene,
+                        r.kind, r.bodies, r.found, r.cleared, r.attempts, r.neighbours, r.simulated,
+                        r.seconds, r.ended ? 1 : 0, fmt::join(r.left, " "), reason);
+  }
+  return text;
+}
+
+void write_page(const fs::path& folder, const std::vector<std::vector<std::string>>& rows,
+                const std::vector<ClearResult>& results) {
+  report::Page page("Clutter, cleared");
+  page.add_table(kHeader, rows);
+  page.add_heading("Scenes");
+  std::vector<std::vector<std::string>> scenes;
+  for (const ClearResult& r : results) {
+    scenes.push_back({r.platform, r.scene, fmt::format("{} of {}", r.cleared, r.bodies),
+                      fmt::format("{}", r.attempts), fmt::format("{}", fmt::join(r.left, " ")),
+                      r.reason});
+  }
+  page.add_table({"platform", "scene", "cleared", "attempts", "left", "how it ended"}, scenes);
+  std::map<std::string, int> said;
+  for (const ClearResult& r : results) {
+    for (const auto& [words, count] : r.said) said[words] += count;
+  }
+  page.add_heading("Attempts that failed, in the cycle's words");
+  std::vector<std::vector<std::string>> failures;
+  for (const auto& [words, count] : said) {
+    failures.push_back({fmt::format("{}", count), eval::cause_of(words), words});
+  }
+  page.add_table({"times", "cause", "words"}, failures);
+  page.write(folder / "index.html");
+}
+
+// The scene's file, made where it is not there yet.
+fs::path scene_of(const eval::ClutterCase& one, const std::vector<simulation::ClutterSolid>& solids,
+                  const fs::path& folder) {
+  fs::create_directories(folder);
+  const fs::path file = folder / (one.name + ".yaml");
+  const auto bodies = simulation::drop_clutter(solids, one.options);
+  const auto scene =
+      simulation::clutter_scene(solids, bodies, folder, one.varied, one.options.seed);
+  simulation::write_clutter(file, solids, bodies, simulation::clutter_truth(solids, bodies, scene),
+                            scene);
+  return file;
+}
+
+int run(const Options& options) {
+  const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
+  const auto cases = eval::clutter_cases(options.scenes, options.choice.seed);
+  std::vector<Run> runs;
+  for (const std::string& platform : options.platforms) {
+    for (const eval::ClutterCase& one : cases) runs.push_back({&one, platform});
+  }
+  if (options.choice.list) {
+    for (const Run& one : runs) {
+      std::printf("%s: %d bodies\n", one.name().c_str(), one.scene->options.count);
+    }
+    return EXIT_SUCCESS;
+  }
+  const auto solids = eval::clutter_solids(sets, options.widest);
+  const std::vector<std::string> arguments = eval::launch_arguments(options.arguments);
+  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
+  eval::CaseRunOptions where = options.choice.runs();
+  where.setting = fmt::format("widest {}\n", options.widest);
+  for (const simulation::ClutterSolid& solid : solids) where.setting += solid.name + "\n";
+  for (const std::string& argument : arguments) where.setting += argument + "\n";
+  std::vector<std::string> names;
+  for (const Run& one : runs) names.push_back(one.name());
+  eval::run_cases(
+      where, names, [](int, const fs::path& file) { return known_result(file).has_value(); },
+      [&](int i, const fs::path& file) {
+        const Run& one = runs[static_cast<std::size_t>(i)];
+        const fs::path folder = options.choice.out / "runs" / one.name();
+        ClearResult result = eval::run_clear(scene_of(*one.scene, solids, folder), one.platform,
+                                             arguments, folder, programs);
+        result.kind = one.scene->kind;
+        eval::write_clear(file, result);
+      });
+  std::vector<ClearResult> results;
+  for (const std::string& name : names) {
+    if (auto result = known_result(eval::case_file(where, name))) results.push_back(*result);
+  }
+  const auto rows = rows_of(options.platforms, results);
+  eval::write_text(options.choice.out / "cases.csv", csv_of(results));
+  write_page(options.choice.out, rows, results);
+  std::printf("\n%s\n", fmt::format("{}", fmt::join(kHeader, " | ")).c_str());
+  for (const auto& row : rows) {
+    std::printf("%s\n", fmt::format("{}", fmt::join(row, " | ")).c_str());
+  }
+  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
+  return results.size() == runs.size() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  options.choice.processes = 1;
+  CLI::App app(
+      "Clears tables: things of the chosen groups are dropped until they rest, apart, touching, "
+      "stacked, leaning, hidden and tumbled, 1 to 12 of them, and the launch file's task "
+      "clear_table is run on each as fast as it can. Judged by the simulation's truth: what stands "
+      "where the task puts things is cleared. Scenes, recordings and reports lie below runs/ in "
+      "the folder --out. A run that was interrupted goes on where it was.");
+  eval::add_case_options(app, options.choice);
+  const std::vector<std::string> known = robot::platform_names(text::tree_file("config/robots"));
+  app.add_option("--platform", options.platforms, "the robots, one or more")
+      ->check(CLI::IsMember(known))
+      ->capture_default_str();
+  app.add_option("--scenes", options.scenes, "how many scenes are made")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--widest", options.widest,
+                 "bodies that are wider across every horizontal direction are left out [m]; 0.06 "
+                 "leaves 9 mm to the PG70")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  app.add_option("--launch-argument", options.arguments,
+                 "of launch/demo.yaml, for all runs, e.g. minimum_stability:=0.1; results with "
+                 "others are forgotten")
+      ->type_name("NAME:=VALUE");
+  return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
+}

@@ -1,0 +1,91 @@
+#include "eval/platform/launched.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/text/tree_file.h"
+
+extern char** environ;  // NOLINT: POSIX
+
+namespace prehend::eval {
+
+using std::chrono::steady_clock;
+
+int run_prehend(const std::filesystem::path& programs, const std::vector<std::string>& arguments,
+                const std::filesystem::path& log, std::chrono::seconds timeout) {
+  const std::filesystem::path program = programs / "prehend";
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_CREAT | O_WRONLY | O_TRUNC,
+                                   0644);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  std::vector<char*> words;
+  words.push_back(const_cast<char*>(program.c_str()));
+  for (const std::string& argument : arguments) {
+    words.push_back(const_cast<char*>(argument.c_str()));
+  }
+  words.push_back(nullptr);
+  pid_t pid = -1;
+  const int error = posix_spawn(&pid, program.c_str(), &files, nullptr, words.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (error != 0) {
+    throw std::runtime_error("cannot start " + program.string() + ": " + std::strerror(error));
+  }
+  const auto deadline = steady_clock::now() + timeout;
+  int status = 0;
+  while (waitpid(pid, &status, WNOHANG) == 0) {
+    if (steady_clock::now() > deadline) {
+      kill(pid, SIGINT);  // it stops its nodes
+      waitpid(pid, &status, 0);
+      return -1;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::vector<std::string> launch_arguments(const std::vector<std::string>& words) {
+  constexpr const char* kOwn[] = {"platform", "scene", "out", "speed", "record"};
+  for (const std::string& word : words) {
+    const std::size_t at = word.find(":=");
+    if (at == 0 || at == std::string::npos) {
+      throw geometry::InputError("The launch argument '" + word + "' is not NAME:=VALUE",
+                                 "Write e.g. minimum_stability:=0.1");
+    }
+    const std::string name = word.substr(0, at);
+    if (std::find(std::begin(kOwn), std::end(kOwn), name) != std::end(kOwn)) {
+      throw geometry::InputError("The launch argument '" + name + "' is given by the evaluation",
+                                 "Leave it out; --platform and --out choose theirs");
+    }
+  }
+  return words;
+}
+
+std::vector<std::string> demo_words(const std::filesystem::path& scene, const std::string& platform,
+                                    const std::filesystem::path& folder,
+                                    const std::vector<std::string>& arguments) {
+  const std::filesystem::path out = std::filesystem::absolute(folder);
+  std::vector<std::string> words{"launch",
+                                 text::tree_file("launch/demo.yaml"),
+                                 "platform:=" + platform,
+                                 "scene:=" + std::filesystem::absolute(scene).string(),
+                                 "out:=" + out.string(),
+                                 "speed:=0",
+                                 "record:=true",
+                                 "--log-dir",
+                                 (out / "log").string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
+
+}  // namespace prehend::eval
