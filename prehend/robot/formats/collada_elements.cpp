@@ -1,5 +1,6 @@
 #include "prehend/robot/formats/collada_elements.h"
 
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -39,6 +40,19 @@ std::optional<double> number_in(const std::optional<XmlElement>& element) {
   if (const auto value = element->child("float")) return value->text_number();
   if (element->text().empty()) return std::nullopt;
   return element->text_number();
+}
+
+double radians_of_degrees(std::string_view degrees) {
+  if (degrees.starts_with('+')) degrees.remove_prefix(1);
+  long double number = 0;
+  std::from_chars(degrees.data(), degrees.data() + degrees.size(), number);
+  return static_cast<double>(number * (std::numbers::pi_v<long double> / 180));
+}
+
+std::optional<double> angle_in(const std::optional<XmlElement>& element) {
+  if (!number_in(element)) return std::nullopt;
+  const auto value = element->child("float");
+  return radians_of_degrees(value ? value->text() : element->text());
 }
 
 bool bool_in(const std::optional<XmlElement>& element, bool otherwise) {
