@@ -44,8 +44,15 @@ bool bool_in(const std::optional<XmlElement>& element, bool otherwise);
 /// @param length metres of the file's unit
 geometry::RigidTransform collada_steps(const XmlElement& element, double length);
 
+/// A formula's value, and how much it changes for one of its variable: so a line's slope is the
+/// number that is written, and no difference of two values.
+struct FormulaValue {
+  double value = 0, slope = 0;
+};
+
 /// A formula's MathML at values of joints, by their sids. @throws geometry::InputError for what is
 /// none, or knows no such operator
-double evaluated(const XmlElement& element, const std::function<double(const std::string&)>& value);
+FormulaValue evaluated(const XmlElement& element,
+                       const std::function<FormulaValue(const std::string&)>& value);
 
 }  // namespace prehend::robot::formats

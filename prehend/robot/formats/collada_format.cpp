@@ -40,16 +40,18 @@ std::vector<XmlElement> collada_blocks(const XmlElement& root) {
 void take_own_meshes(std::vector<Shape>& plain, const std::vector<Shape>& robot, bool is_seen,
                      const std::string& link) {
   auto read = plain.begin();
+  bool is_as_written = true;
   for (const Shape& shape : robot) {
     if (!is_in_collada(shape, is_seen)) continue;
-    if (read == plain.end() || read->kind != shape.kind) break;
+    is_as_written = is_as_written && read != plain.end() && read->kind == shape.kind;
+    if (!is_as_written) break;
     if (shape.kind == Shape::Kind::kMesh) {
       read->mesh = shape.mesh;
       read->scale = shape.scale;
     }
     ++read;
   }
-  if (read == plain.end()) return;
+  if (is_as_written && read == plain.end()) return;
   throw InputError("link '" + link + "' has shapes that are read otherwise", "Mend its meshes");
 }
 

@@ -236,10 +236,11 @@ class ColladaReader {
     const auto at = [&](double q) {
       return evaluated(math, [&](const std::string& name) {
         variables.insert(name);
-        return q;
+        return FormulaValue{q, 1};
       });
     };
-    const double zero = at(0), one = at(1), two = at(2);
+    const auto [zero, slope] = at(0);
+    const double one = at(1).value, two = at(2).value;
     // Negated, since what is not finite is no line.
     const bool is_line = std::abs(two - 2 * one + zero) <= 1e-9 * (1 + std::abs(two));
     if (variables.size() != 1 || !is_line) {
@@ -249,16 +250,15 @@ class ColladaReader {
     if (!leader) leader = joint_of(*variables.begin());
     if (!leader) return element.drop("'" + *variables.begin() + "' in it is not there");
     // Constants are in radians and metres, whatever limits are in.
-    driven->follows = Follows{leader->name, one - zero, zero};
+    driven->follows = Follows{leader->name, slope, zero};
     element.attribute("sid");
     for (const XmlElement& other : element.children("technique")) {
-      if (!says_the_same(other, at, one - zero)) other.drop("its derivatives follow from it");
+      if (!says_the_same(other, *driven->follows)) other.drop("its derivatives follow from it");
     }
   }
 
   /// Whether OpenRAVE's own technique of a formula has its line and that line's derivatives.
-  static bool says_the_same(const XmlElement& technique, const std::function<double(double)>& line,
-                            double slope) {
+  static bool says_the_same(const XmlElement& technique, const Follows& line) {
     if (technique.attribute("profile").value_or("") != "OpenRAVE") return false;
     for (const XmlElement& equation : technique.children()) {
       const auto parts = equation.children();
@@ -266,8 +266,11 @@ class ColladaReader {
       const std::string type = equation.attribute("type").value_or("");
       equation.attribute("target");
       for (const double q : {0.0, 1.0}) {
-        const double value = evaluated(parts[0], [&](const std::string&) { return q; });
-        const double expected = type == "position" ? line(q) : type == "first_partial" ? slope : 0;
+        const auto at = [&](const std::string&) { return FormulaValue{q, 1}; };
+        const double value = evaluated(parts[0], at).value;
+        const double expected = type == "position"        ? line.at(q)
+                                : type == "first_partial" ? line.multiplier()
+                                                          : 0;
         if (!(std::abs(value - expected) <= 1e-9 * (1 + std::abs(expected)))) return false;
       }
     }

@@ -83,8 +83,7 @@ void expect_same_motion(const RobotDescription& given, const RobotDescription& a
     ASSERT_EQ(joint.follows.has_value(), other->follows.has_value()) << joint.name;
     if (!joint.follows) continue;
     EXPECT_EQ(joint.follows->joint, other->follows->joint);
-    EXPECT_NEAR(joint.follows->multiplier(), other->follows->multiplier(), 1e-15);
-    EXPECT_EQ(joint.follows->offset(), other->follows->offset());
+    EXPECT_EQ(joint.follows->coefficients, other->follows->coefficients);
   }
 }
 
@@ -339,6 +338,24 @@ TEST_F(ColladaWritten, ASurfaceWithoutTrianglesIsToldAndNotKept) {
   robot.links[0].visuals.insert(robot.links[0].visuals.begin(), empty);
   const RobotDescription once = again(robot);
   EXPECT_THAT(written_.text(), HasSubstr("dropped visual (mesh 'nothing')"));
+  EXPECT_EQ(once.links[0].visuals.size(), 4U);
+}
+
+/// As one whose corners are one point, so that it is read as none: no block may name its file.
+TEST_F(ColladaWritten, ASurfaceThatIsAPointIsToldAndHasNoBlock) {
+  RobotDescription robot = all_of_it();
+  Shape point;
+  point.kind = Shape::Kind::kMesh;
+  point.mesh = "point";
+  auto surface = std::make_shared<geometry::TriangleMesh>();
+  surface->vertices.assign(3, Eigen::Vector3d::Ones());
+  surface->triangles = {{0, 1, 2}};
+  point.surface = surface;
+  robot.links[0].visuals.push_back(point);
+  robot.postures = {{"open", "grip", {{"slide", 0.1}}}};
+  const RobotDescription once = again(robot);
+  EXPECT_THAT(written_.text(), HasSubstr("dropped prehend's extension: link 'base' has shapes"));
+  EXPECT_THAT(written_.text(), HasSubstr("dropped posture"));
   EXPECT_EQ(once.links[0].visuals.size(), 4U);
 }
 
