@@ -1,5 +1,6 @@
 #include "prehend/robot/formats/collada_elements.h"
 
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -16,6 +17,45 @@ constexpr double kDegreeInRadians = std::numbers::pi / 180;
 std::string local_name(const XmlElement& element) {
   const std::string name = element.name();
   return name.substr(name.find(':') == std::string::npos ? 0 : name.find(':') + 1);
+}
+
+/// @param element for words
+FormulaValue applied(const XmlElement& element, const std::string& operation,
+                     const std::vector<FormulaValue>& values) {
+  const auto need = [&](std::size_t count) {
+    if (values.size() != count)
+      element.fail("<" + operation + "> has another count of parts", "Mend it");
+  };
+  FormulaValue result{operation == "times" ? 1.0 : 0.0, 0};
+  if (operation == "plus") {
+    for (const auto& [value, slope] : values) {
+      result = {result.value + value, result.slope + slope};
+    }
+    return result;
+  }
+  if (operation == "times") {
+    for (const auto& [value, slope] : values) {
+      result = {result.value * value, result.slope * value + result.value * slope};
+    }
+    return result;
+  }
+  if (operation == "minus" && values.size() == 1) return {-values[0].value, -values[0].slope};
+  if (operation == "minus") {
+    need(2);
+    return {values[0].value - values[1].value, values[0].slope - values[1].slope};
+  }
+  if (operation == "divide") {
+    need(2);
+    const double quotient = values[0].value / values[1].value;
+    return {quotient, (values[0].slope - quotient * values[1].slope) / values[1].value};
+  }
+  if (operation == "sin" || operation == "cos") {
+    need(1);
+    const double sine = std::sin(values[0].value), cosine = std::cos(values[0].value);
+    return operation == "sin" ? FormulaValue{sine, cosine * values[0].slope}
+                              : FormulaValue{cosine, -sine * values[0].slope};
+  }
+  element.fail("the operator <" + operation + "> is not read", "Write plus, minus, times, divide");
 }
 
 }  // namespace
@@ -39,6 +79,19 @@ std::optional<double> number_in(const std::optional<XmlElement>& element) {
   if (const auto value = element->child("float")) return value->text_number();
   if (element->text().empty()) return std::nullopt;
   return element->text_number();
+}
+
+double radians_of_degrees(std::string_view degrees) {
+  if (degrees.starts_with('+')) degrees.remove_prefix(1);
+  long double number = 0;
+  std::from_chars(degrees.data(), degrees.data() + degrees.size(), number);
+  return static_cast<double>(number * (std::numbers::pi_v<long double> / 180));
+}
+
+std::optional<double> angle_in(const std::optional<XmlElement>& element) {
+  if (!number_in(element)) return std::nullopt;
+  const auto value = element->child("float");
+  return radians_of_degrees(value ? value->text() : element->text());
 }
 
 bool bool_in(const std::optional<XmlElement>& element, bool otherwise) {
@@ -69,15 +122,15 @@ RigidTransform collada_steps(const XmlElement& element, double length) {
   return X;
 }
 
-double evaluated(const XmlElement& element,
-                 const std::function<double(const std::string&)>& value) {
+FormulaValue evaluated(const XmlElement& element,
+                       const std::function<FormulaValue(const std::string&)>& value) {
   const std::string name = local_name(element);
-  if (name == "cn") return element.text_number();
+  if (name == "cn") return {element.text_number(), 0};
   if (name == "csymbol" || name == "ci") {
     element.attribute("encoding");
     return value(part_of(element.text(), 0));
   }
-  if (name == "pi") return std::numbers::pi;
+  if (name == "pi") return {std::numbers::pi, 0};
   const auto parts = element.children();
   if (name == "math") {
     if (parts.empty()) element.fail("the formula is empty", "Write one");
@@ -86,34 +139,9 @@ double evaluated(const XmlElement& element,
   if (name != "apply" || parts.empty()) {
     element.fail("<" + name + "> is none that is read in formulas", "Write apply, cn, csymbol");
   }
-  const std::string operation = local_name(parts[0]);
-  std::vector<double> numbers;
-  for (std::size_t i = 1; i < parts.size(); ++i) numbers.push_back(evaluated(parts[i], value));
-  const auto need = [&](std::size_t count) {
-    if (numbers.size() != count)
-      element.fail("<" + operation + "> has another count of parts", "Mend it");
-  };
-  if (operation == "plus" || operation == "times") {
-    double result = operation == "plus" ? 0 : 1;
-    for (const double number : numbers) {
-      result = operation == "plus" ? result + number : result * number;
-    }
-    return result;
-  }
-  if (operation == "minus" && numbers.size() == 1) return -numbers[0];
-  if (operation == "minus") {
-    need(2);
-    return numbers[0] - numbers[1];
-  }
-  if (operation == "divide") {
-    need(2);
-    return numbers[0] / numbers[1];
-  }
-  if (operation == "sin" || operation == "cos") {
-    need(1);
-    return operation == "sin" ? std::sin(numbers[0]) : std::cos(numbers[0]);
-  }
-  element.fail("the operator <" + operation + "> is not read", "Write plus, minus, times, divide");
+  std::vector<FormulaValue> values;
+  for (std::size_t i = 1; i < parts.size(); ++i) values.push_back(evaluated(parts[i], value));
+  return applied(element, local_name(parts[0]), values);
 }
 
 }  // namespace prehend::robot::formats

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "prehend/robot/formats/collada_elements.h"
+#include "prehend/robot/formats/collada_shape_writer.h"
 #include "prehend/robot/formats/xml_text.h"
 
 namespace prehend::robot::formats {
@@ -131,7 +132,10 @@ void write_model_extras(const RobotDescription& robot, ColladaText& text) {
     close_extra(text);
   }
   const auto is_untouched = [](const LinkDescription& link) {
-    return link.collisions.empty() && !link.visuals.empty();
+    return std::none_of(link.collisions.begin(), link.collisions.end(),
+                        [](const Shape& one) { return is_in_collada(one, false); }) &&
+           std::any_of(link.visuals.begin(), link.visuals.end(),
+                       [](const Shape& one) { return is_in_collada(one, true); });
   };
   if (robot.disabled_collisions.empty() &&
       std::none_of(robot.links.begin(), robot.links.end(), is_untouched)) {

@@ -145,8 +145,7 @@ void ColladaExtras::read_joint_info(const XmlElement& extra, const XmlElement& t
 
 /// "#id" of an instance's url.
 std::optional<XmlElement> ColladaExtras::instanced(const std::optional<XmlElement>& instance) {
-  const std::string url = instance ? instance->attribute("url").value_or("") : "";
-  return url.starts_with("#") ? document_.by_id(url.substr(1)) : std::nullopt;
+  return instance ? document_.by_url(instance->attribute("url").value_or("")) : std::nullopt;
 }
 
 void ColladaExtras::read_actuator(const XmlElement& extra, const XmlElement& technique,

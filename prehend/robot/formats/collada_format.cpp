@@ -1,511 +1,149 @@
-// COLLADA 1.5 robots, .dae and .zae (Khronos' specification, chapter 5 and 10; openrave.org, "Robot
-// extensions for COLLADA"): kinematics, couplings, speeds, masses, shapes and manipulators.
+// COLLADA 1.5 robots, .dae and .zae: collada_reader.h says what is read, docs/models.md what is
+// written.
 
-#include <cmath>
-#include <functional>
-#include <numbers>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/archive.h"
 #include "prehend/robot/formats/collada_elements.h"
-#include "prehend/robot/formats/collada_extras.h"
-#include "prehend/robot/formats/collada_shapes.h"
+#include "prehend/robot/formats/collada_reader.h"
+#include "prehend/robot/formats/collada_shape_writer.h"
 #include "prehend/robot/formats/collada_writer.h"
+#include "prehend/robot/formats/extension.h"
 #include "prehend/robot/formats/format_makers.h"
-#include "prehend/robot/formats/tracked_xml.h"
+#include "prehend/robot/formats/xml_text.h"
 
 namespace prehend::robot::formats {
 namespace {
 
 using geometry::InputError;
-using geometry::RigidTransform;
-using Kind = JointDescription::Kind;
 
-constexpr double kRadian = std::numbers::pi / 180;  // of a degree
+constexpr const char* kBlock = "robot";
 
-class ColladaReader {
- public:
-  ColladaReader(TrackedXml& document, LossReport& loss) : document_(document), loss_(loss) {}
+/// prehend's blocks, in the extras of its own type below the root.
+std::vector<XmlElement> collada_blocks(const XmlElement& root) {
+  std::vector<XmlElement> blocks;
+  for (const XmlElement& extra : root.children("extra")) {
+    if (extra.attribute("type").value_or("") != kColladaExtension) continue;
+    for (const XmlElement& technique : extra.children("technique")) {
+      if (technique.attribute("profile").value_or("") != kColladaExtension) continue;
+      for (const XmlElement& block : technique.children(kBlock)) blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
 
-  RobotDescription read(const std::filesystem::path& file) {
-    const XmlElement root = document_.root();
-    root.attribute("version");
-    if (const auto asset = root.child("asset")) read_asset(*asset);
-    const auto library = root.child("library_kinematics_models");
-    if (!library) {
-      root.fail("the document has no kinematics: it is a mesh, or COLLADA 1.4",
-                "Read a robot's, of version 1.5");
+/// Meshes are within the document, without their files' names and scales: of these nothing is to be
+/// told. @param plain as it is read, in the robot's order
+void take_own_meshes(std::vector<Shape>& plain, const std::vector<Shape>& robot, bool is_seen,
+                     const std::string& link) {
+  auto read = plain.begin();
+  bool is_as_written = true;
+  for (const Shape& shape : robot) {
+    if (!is_in_collada(shape, is_seen)) continue;
+    is_as_written = is_as_written && read != plain.end() && read->kind == shape.kind;
+    if (!is_as_written) break;
+    if (shape.kind == Shape::Kind::kMesh) {
+      read->mesh = shape.mesh;
+      read->scale = shape.scale;
     }
-    if (const auto joints = root.child("library_joints")) {
-      for (const XmlElement& one : joints->children("joint")) {
-        library_joints_.emplace(one.attribute("id").value_or(""), one);
-      }
-    }
-    const auto models = library->children("kinematics_model");
-    if (models.empty()) root.fail("there is no kinematics_model", "Name a file that has one");
-    robot_.name = models[0].attribute("name").value_or(file.stem().string());
-    full_names_ = collada_names_in(models[0]);
-    read_model(models[0]);
-    for (std::size_t i = 1; i < models.size(); ++i) models[i].drop("one model is read of a file");
-    ColladaExtras extras(
-        document_, length_, [this](const auto& path) { return link_named(path); },
-        [this](const std::string& path) { return joint_of(path); });
-    read_systems(root, extras);
-    for (const XmlElement& extra : models[0].children("extra")) extras.read(extra, robot_);
-    read_bodies(root);
-    for (LinkDescription& link : robot_.links) {
-      if (extras.untouched().count(link.name) != 0) link.collisions.clear();
-    }
-    for (const auto& [element, why] : std::initializer_list<std::pair<const char*, const char*>>{
-             {"library_images", "textures are not kept"},
-             {"library_lights", "the scene's lights are not kept"},
-             {"library_cameras", "the scene's cameras are not kept"}}) {
-      for (const XmlElement& one : root.children(element)) one.drop(why);
-    }
-    if (const auto scene = root.child("scene")) {
-      for (const XmlElement& one : scene->children("instance_physics_scene")) {
-        one.attribute("url");
-        const auto all = root.child("library_physics_scenes");
-        if (all && all->children("physics_scene").size() > 1) {
-          one.drop("bodies are tied to links by all physics scenes, whichever is shown");
+    ++read;
+  }
+  if (is_as_written && read == plain.end()) return;
+  throw InputError("link '" + link + "' has shapes that are read otherwise", "Mend its meshes");
+}
+
+/// Without meshes that have a surface which no file has and the document cannot have: they are
+/// lost.
+RobotDescription without_bad_surfaces(RobotDescription robot, LossReport& loss) {
+  for (LinkDescription& link : robot.links) {
+    for (const bool is_seen : {true, false}) {
+      std::erase_if(is_seen ? link.visuals : link.collisions, [&](const Shape& shape) {
+        const bool is_bad =
+            shape.kind == Shape::Kind::kMesh && shape.surface && !is_in_collada(shape, is_seen);
+        if (is_bad) {
+          loss.drop("link '" + link.name + "'",
+                    fmt::format("{} (mesh '{}')", is_seen ? "visual" : "collision", shape.mesh),
+                    "it has no triangle, or is beyond all measure");
         }
-      }
-    }
-    for (const XmlElement& one : root.children("extra")) {
-      const std::string type = one.attribute("type").value_or("");
-      if (type != "library_sensors" && type != "library_actuators") {
-        one.drop("it is of its writer's own");
-      } else if (const auto technique = one.child("technique")) {
-        technique->attribute("profile");
-      }
-    }
-    return std::move(robot_);
-  }
-
- private:
-  void read_asset(const XmlElement& asset) {
-    if (const auto unit = asset.child("unit")) {
-      length_ = unit->number("meter").value_or(1);
-      unit->attribute("name");
-      if (!(length_ > 0)) unit->fail("a unit of no length", "Write metres");
-    }
-    bool is_own = false;
-    for (const XmlElement& one : asset.children("contributor")) {
-      if (const auto tool = one.child("authoring_tool")) {
-        // The first writers had radians for speeds, as their reader keeps to.
-        const std::string name = tool->text();
-        speeds_in_degrees_ = name.find("OpenHRP3") == std::string::npos &&
-                             name.find("URDF") == std::string::npos &&
-                             name != "OpenRAVE Collada Writer";
-        is_own = name == "prehend";
-      }
-    }
-    if (!is_own) return asset.drop("who wrote it, and when");
-    for (const char* known : {"created", "modified", "up_axis"}) asset.child(known);
-  }
-
-  struct Axis {
-    std::string sid;
-    bool turns = true;
-    Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-    std::optional<double> lower, upper;
-  };
-  struct Joint {
-    std::string name;
-    std::vector<Axis> axes;
-  };
-
-  Joint read_joint(const XmlElement& element) {
-    Joint joint;
-    joint.name = element.attribute("name").value_or(element.attribute("sid").value_or("joint"));
-    for (const XmlElement& one : element.children()) {
-      const std::string kind = one.name();
-      if (kind != "revolute" && kind != "prismatic") continue;
-      Axis axis;
-      axis.sid = one.attribute("sid").value_or("axis0");
-      axis.turns = kind == "revolute";
-      if (const auto direction = one.child("axis")) {
-        const auto n = direction->text_numbers(3);
-        const Eigen::Vector3d given(n[0], n[1], n[2]);
-        if (given.norm() > 1e-9) axis.direction = given.normalized();
-      }
-      if (const auto limits = one.child("limits")) {
-        const double unit = axis.turns ? kRadian : length_;
-        if (const auto low = number_in(limits->child("min"))) axis.lower = unit * *low;
-        if (const auto high = number_in(limits->child("max"))) axis.upper = unit * *high;
-      }
-      joint.axes.push_back(axis);
-    }
-    return joint;
-  }
-
-  void read_model(const XmlElement& model) {
-    model.attribute("id");
-    const auto technique = model.child("technique_common");
-    if (!technique) model.fail("the kinematics_model has no technique_common", "Mend it");
-    for (const XmlElement& one : technique->children("joint")) {
-      const std::string sid = one.attribute("sid").value_or("");
-      Joint joint = read_joint(one);
-      if (full_names_.count(sid) != 0) joint.name = full_names_.at(sid);
-      joints_[sid] = std::move(joint);
-    }
-    for (const XmlElement& one : technique->children("instance_joint")) {
-      std::string url = one.attribute("url").value_or("");
-      if (url.starts_with("#")) url.erase(0, 1);
-      const auto found = library_joints_.find(url);
-      if (found == library_joints_.end()) one.fail("joint '" + url + "' is not there", "Mend it");
-      joints_[one.attribute("sid").value_or(url)] = read_joint(found->second);
-    }
-    for (const XmlElement& link : technique->children("link")) read_link(link, "", {}, 0);
-    for (const XmlElement& one : technique->children("formula")) read_formula(one);
-  }
-
-  /// @param above the link that it hangs on, by `joint`; none: a root
-  void read_link(const XmlElement& element, const std::string& above,
-                 const std::pair<std::string, RigidTransform>& hung, int depth) {
-    if (depth > 200) element.fail("links are too deep in one another", "Mend it");
-    refuse_many_links(robot_.links.size() + 1, element.place());
-    std::string name = element.attribute("name").value_or("");
-    const std::string sid = element.attribute("sid").value_or("");
-    if (full_names_.count(sid) != 0) name = full_names_.at(sid);
-    if (name.empty()) name = sid.empty() ? fmt::format("link{}", robot_.links.size()) : sid;
-    if (robot_.link(name)) {
-      element.approximate("a second link '" + name + "' is called by its sid, too");
-      name += "_" + sid;
-    }
-    if (!sid.empty()) link_of_sid_.emplace(sid, name);
-    const RigidTransform X_own = collada_steps(element, length_);
-    std::string parent = above;
-    if (above.empty()) {
-      robot_.links.push_back({name, {}, {}, {}});
-    } else {
-      const auto found = joints_.find(hung.first);
-      if (found == joints_.end())
-        element.fail("joint '" + hung.first + "' is not there", "Mend it");
-      const Joint& joint = found->second;
-      RigidTransform X = hung.second;
-      if (is_ball(joint)) {
-        JointDescription ball;
-        ball.name = joint.name;
-        if (robot_.joint(ball.name)) ball.name += "_" + hung.first;
-        ball.kind = Kind::kBall;
-        ball.parent = parent;
-        ball.child = name;
-        ball.X_PJ = X;
-        ball.X_JC = X_own;
-        for (const Axis& axis : joint.axes) of_axis_[hung.first + "/" + axis.sid] = ball.name;
-        robot_.links.push_back({name, {}, {}, {}});
-        robot_.joints.push_back(std::move(ball));
-        return read_attachments(element, name, depth);
-      }
-      for (std::size_t i = 0; i < std::max<std::size_t>(joint.axes.size(), 1); ++i) {
-        JointDescription one;
-        const bool is_last = i + 1 >= joint.axes.size();
-        one.name = joint.axes.size() > 1 ? fmt::format("{}_{}", joint.name, i) : joint.name;
-        if (robot_.joint(one.name)) one.name += "_" + hung.first;
-        one.parent = parent;
-        one.child = is_last ? name : fmt::format("{}_between{}", name, i);
-        one.X_PJ = X;
-        X = RigidTransform::Identity();
-        if (is_last) one.X_JC = X_own;
-        if (!joint.axes.empty()) {
-          const Axis& axis = joint.axes[i];
-          one.kind = axis.turns ? Kind::kRevolute : Kind::kPrismatic;
-          if (axis.lower == 0.0 && axis.upper == 0.0) {
-            one.kind = Kind::kFixed;
-          } else {
-            one.axis_J = axis.direction;
-            one.lower = axis.lower;
-            one.upper = axis.upper;
-          }
-          of_axis_[hung.first + "/" + axis.sid] = one.name;
-        }
-        robot_.links.push_back({one.child, {}, {}, {}});
-        parent = one.child;
-        robot_.joints.push_back(std::move(one));
-      }
-    }
-    read_attachments(element, name, depth);
-  }
-
-  /// Three axes without limits that are at right angles, as OpenRAVE writes it.
-  static bool is_ball(const Joint& joint) {
-    if (joint.axes.size() != 3) return false;
-    Eigen::Matrix3d axes;
-    for (int i = 0; i < 3; ++i) {
-      const Axis& axis = joint.axes[static_cast<std::size_t>(i)];
-      if (!axis.turns || axis.lower || axis.upper) return false;
-      axes.col(i) = axis.direction;
-    }
-    return (axes.transpose() * axes).isIdentity(1e-9);
-  }
-
-  void read_attachments(const XmlElement& element, const std::string& name, int depth) {
-    for (const XmlElement& one : element.children("attachment_full")) {
-      const std::string joint = part_of(one.needed("joint"), 0);
-      const RigidTransform X = collada_steps(one, length_);
-      const auto child = one.child("link");
-      if (!child) {
-        one.drop("nothing hangs on it");
-        continue;
-      }
-      read_link(*child, name, {joint, X}, depth + 1);
-    }
-    for (const char* loop : {"attachment_start", "attachment_end"}) {
-      for (const XmlElement& one : element.children(loop)) one.drop("closed loops are not read");
-    }
-  }
-
-  JointDescription* joint_of(const std::string& axis_path) {
-    // "kmodel/joint0/axis0", or a joint alone.
-    for (const auto& key :
-         {part_of(axis_path, 1) + "/" + part_of(axis_path, 0), part_of(axis_path, 0) + "/axis0"}) {
-      const auto found = of_axis_.find(key);
-      if (found == of_axis_.end()) continue;
-      for (JointDescription& joint : robot_.joints) {
-        if (joint.name == found->second) return &joint;
-      }
-    }
-    return nullptr;
-  }
-
-  void read_formula(const XmlElement& element) {
-    const auto target = element.child("target");
-    const auto technique = element.child("technique_common");
-    std::optional<XmlElement> param = target ? target->child("param") : std::nullopt;
-    if (!param || !technique || technique->children().empty()) {
-      return element.drop("the formula has no target, or says nothing");
-    }
-    JointDescription* driven = joint_of(param->text());
-    if (!driven) return element.drop("its joint '" + param->text() + "' is not there");
-    std::set<std::string> variables;
-    const XmlElement math = technique->children()[0];
-    const auto at = [&](double q) {
-      return evaluated(math, [&](const std::string& name) {
-        variables.insert(name);
-        return q;
+        return is_bad;
       });
-    };
-    const double zero = at(0), one = at(1), two = at(2);
-    // Negated, since what is not finite is no line.
-    const bool is_line = std::abs(two - 2 * one + zero) <= 1e-9 * (1 + std::abs(two));
-    if (variables.size() != 1 || !is_line) {
-      return element.drop("it is no linear formula of one joint");
-    }
-    JointDescription* leader = joint_of(*variables.begin() + "/axis0");
-    if (!leader) leader = joint_of(*variables.begin());
-    if (!leader) return element.drop("'" + *variables.begin() + "' in it is not there");
-    // Constants are in radians and metres, whatever limits are in.
-    driven->follows = Follows{leader->name, one - zero, zero};
-    element.attribute("sid");
-    for (const XmlElement& other : element.children("technique")) {
-      if (!says_the_same(other, at, one - zero)) other.drop("its derivatives follow from it");
     }
   }
+  return robot;
+}
 
-  /// Whether OpenRAVE's own technique of a formula has its line and that line's derivatives.
-  static bool says_the_same(const XmlElement& technique, const std::function<double(double)>& line,
-                            double slope) {
-    if (technique.attribute("profile").value_or("") != "OpenRAVE") return false;
-    for (const XmlElement& equation : technique.children()) {
-      const auto parts = equation.children();
-      if (equation.name() != "equation" || parts.size() != 1) return false;
-      const std::string type = equation.attribute("type").value_or("");
-      equation.attribute("target");
-      for (const double q : {0.0, 1.0}) {
-        const double value = evaluated(parts[0], [&](const std::string&) { return q; });
-        const double expected = type == "position" ? line(q) : type == "first_partial" ? slope : 0;
-        if (!(std::abs(value - expected) <= 1e-9 * (1 + std::abs(expected)))) return false;
-      }
-    }
-    return true;
+/// What prehend reads of a document without a block.
+RobotDescription read_plainly(const std::string& text, const RobotDescription& robot) {
+  LossReport unused;
+  TrackedXml document(text, "robot.dae", unused);
+  RobotDescription plain = read_collada(document, "");
+  tree_order(plain);
+  for (LinkDescription& link : plain.links) {
+    const LinkDescription* its = robot.link(link.name);
+    if (!its) continue;
+    take_own_meshes(link.visuals, its->visuals, true, link.name);
+    take_own_meshes(link.collisions, its->collisions, false, link.name);
   }
-
-  void read_systems(const XmlElement& root, ColladaExtras& extras) {
-    const auto library = root.child("library_articulated_systems");
-    if (!library) return;
-    std::map<std::string, JointDescription*> by_info;
-    for (const XmlElement& system : library->children("articulated_system")) {
-      if (const auto kinematics = system.child("kinematics")) {
-        if (const auto technique = kinematics->child("technique_common")) {
-          for (const XmlElement& info : technique->children("axis_info")) {
-            JointDescription* joint = joint_of(info.attribute("axis").value_or(""));
-            by_info[info.attribute("sid").value_or("")] = joint;
-            if (joint) read_axis_info(info, *joint);
-          }
-        }
-        for (const XmlElement& one : kinematics->children("formula")) read_formula(one);
-      }
-      for (const XmlElement& extra : system.children("extra")) extras.read(extra, robot_);
-    }
-    for (const XmlElement& system : library->children("articulated_system")) {
-      const auto motion = system.child("motion");
-      if (!motion) continue;
-      const auto technique = motion->child("technique_common");
-      if (!technique) continue;
-      for (const XmlElement& info : technique->children("axis_info")) {
-        const auto found = by_info.find(part_of(info.attribute("axis").value_or(""), 0));
-        if (found == by_info.end() || !found->second) continue;
-        const bool turns = found->second->kind != Kind::kPrismatic;
-        if (const auto speed = number_in(info.child("speed"))) {
-          found->second->velocity = *speed * (turns ? (speeds_in_degrees_ ? kRadian : 1) : length_);
-        }
-        for (const char* other : {"acceleration", "deceleration", "jerk"}) {
-          if (const auto one = info.child(other)) one->drop("accelerations are not kept");
-        }
-      }
-    }
-  }
-
-  void read_axis_info(const XmlElement& info, JointDescription& joint) {
-    const bool turns = joint.kind != Kind::kPrismatic;
-    const double unit = turns ? kRadian : length_;
-    if (const auto limits = info.child("limits")) {
-      // Soft limits, where they are numbers and not names.
-      if (const auto min = limits->child("min"); min && min->child("float")) {
-        joint.lower = unit * min->child("float")->text_number();
-      }
-      if (const auto max = limits->child("max"); max && max->child("float")) {
-        joint.upper = unit * max->child("float")->text_number();
-      }
-    }
-    for (const XmlElement& one : info.children("formula")) read_formula(one);
-    const bool is_active = bool_in(info.child("active"), true);
-    const bool is_locked = bool_in(info.child("locked"), false);
-    if (joint.kind == Kind::kFixed) return;
-    // What follows another is written so, too.
-    joint.passive = !is_active && !joint.follows;
-    if (is_locked) info.child("locked")->drop("where it is locked is not kept");
-  }
-
-  /// The link of "kmodel1/link0"; empty: it is not there.
-  std::string link_named(const std::optional<std::string>& path) const {
-    const auto found = link_of_sid_.find(part_of(path.value_or(""), 0));
-    return found == link_of_sid_.end() ? std::string() : found->second;
-  }
-
-  /// Where links are in the root's frame, all joints at 0, also those that follow.
-  ColladaLinks links_at_zero() {
-    RobotDescription at_zero = robot_;
-    for (JointDescription& joint : at_zero.joints) joint.follows.reset();
-    ColladaLinks links;
-    links.X_RL = link_poses(at_zero, {});
-    links.root = roots(robot_).front();
-    links.moved_by = [this](const std::string& axis) {
-      const JointDescription* joint = joint_of(axis);
-      return joint ? joint->child : std::string();
-    };
-    return links;
-  }
-
-  /// Shapes and masses. Rigid bodies are tied to visual nodes, and those to links.
-  void read_bodies(const XmlElement& root) {
-    const ColladaLinks links = links_at_zero();
-    ColladaShapes shapes(document_, length_);
-    shapes.read_visuals(links, robot_);
-    const auto library = root.child("library_physics_models");
-    if (!library) return;
-    std::map<std::string, std::string> link_of;  // by rigid body
-    const auto tie = [&](const XmlElement& holder) {
-      for (const XmlElement& one : holder.children("instance_rigid_body")) {
-        std::string target = one.attribute("target").value_or("");
-        if (target.starts_with("#")) target.erase(0, 1);
-        std::string name = shapes.link_of_node(target);
-        const auto node = name.empty() ? document_.by_id(target) : std::nullopt;
-        if (node) name = node->attribute("name").value_or("");
-        if (robot_.link(name)) link_of[one.attribute("body").value_or("")] = name;
-      }
-    };
-    if (const auto scenes = root.child("library_physics_scenes")) {
-      for (const XmlElement& scene : scenes->children("physics_scene")) {
-        know_names(scene);
-        scene.child("technique_common");
-        for (const XmlElement& one : scene.children("instance_physics_model")) {
-          know_names(one);
-          one.attribute("parent");
-          tie(one);
-        }
-      }
-    }
-    for (const XmlElement& model : library->children("physics_model")) {
-      know_names(model);
-      for (const XmlElement& one : model.children("instance_physics_model")) tie(one);
-    }
-    for (const XmlElement& model : library->children("physics_model")) {
-      for (const XmlElement& body : model.children("rigid_body")) {
-        know_names(body);
-        const std::string sid = body.attribute("sid").value_or("");
-        const auto found = link_of.find(sid);
-        const std::string name =
-            found != link_of.end() ? found->second : body.attribute("name").value_or("");
-        const auto technique = body.child("technique_common");
-        if (!robot_.link(name) || !technique) {
-          body.drop("no link is tied to it");
-          continue;
-        }
-        // Its frames are in the root's, not in its link's.
-        const RigidTransform X_LR = links.X_RL.at(name).inverse();
-        for (LinkDescription& link : robot_.links) {
-          if (link.name != name) continue;
-          read_mass(*technique, X_LR, link);
-          auto solids = shapes.read_body(*technique, X_LR, name);
-          if (!solids.empty()) link.collisions = std::move(solids);
-        }
-      }
-    }
-  }
-
-  void read_mass(const XmlElement& technique, const RigidTransform& X_LR, LinkDescription& link) {
-    Inertial inertial;
-    inertial.mass = number_in(technique.child("mass")).value_or(0);
-    technique.child("dynamic");
-    RigidTransform X_MI = RigidTransform::Identity();
-    if (const auto frame = technique.child("mass_frame")) X_MI = collada_steps(*frame, length_);
-    inertial.X_LI = X_LR * X_MI;
-    if (const auto inertia = technique.child("inertia")) {
-      const auto n = inertia->text_numbers(3);
-      inertial.inertia = Eigen::Vector3d(n[0], n[1], n[2]).asDiagonal();
-    }
-    constexpr double kUnknown = 1e-9;  // kg: what is written for no mass
-    if (inertial.mass > kUnknown) link.inertial = inertial;
-  }
-
-  TrackedXml& document_;
-  LossReport& loss_;
-  RobotDescription robot_;
-  double length_ = 1;  // m of the file's unit
-  bool speeds_in_degrees_ = true;
-  std::map<std::string, XmlElement> library_joints_;  // by id
-  std::map<std::string, Joint> joints_;               // by sid
-  std::map<std::string, std::string> of_axis_;        // joint's name by "joint/axis"
-  std::map<std::string, std::string> link_of_sid_;
-  std::map<std::string, std::string> full_names_;  // by sid, of names with spaces
-};
+  return plain;
+}
 
 class Collada : public RobotFormat {
  public:
   std::string name() const override { return "collada"; }
   std::string ending() const override { return ".dae"; }
-  bool can_write() const override { return true; }
-  TakenMeshes taken_meshes() const override { return TakenMeshes::kEmbedded; }
-  std::string write(const RobotDescription& robot, LossReport& loss) const override {
-    return collada_text(robot, loss);
-  }
   bool recognises(const XmlElement& root) const override { return root.name() == "COLLADA"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     TrackedXml document = TrackedXml::read(file, loss);
-    RobotDescription robot = ColladaReader(document, loss).read(file);
+    const XmlElement root = document.root();
+    if (root.name() != "COLLADA") {
+      root.fail("<" + root.name() + "> is no COLLADA", "Name a document of COLLADA 1.5");
+    }
+    RobotDescription robot = read_collada(document, file.stem().string());
+    const auto blocks = collada_blocks(root);
     document.finish();
     tree_order(robot);
+    apply_extension(blocks, robot, loss);
     return robot;
+  }
+  bool can_write() const override { return true; }
+  TakenMeshes taken_meshes() const override { return TakenMeshes::kEmbedded; }
+  std::string write(const RobotDescription& robot, LossReport& loss) const override {
+    const RobotDescription kept = without_bad_surfaces(robot, loss);
+    LossReport written;
+    std::string text = collada_text(kept, written);
+    const std::string block = extension_text(
+        kept, [&] { return read_plainly(text, kept); }, written, loss);
+    if (!block.empty()) {
+      text.insert(text.rfind("</COLLADA>"),
+                  fmt::format(" <extra type=\"{0}\">\n  <technique profile=\"{0}\">\n"
+                              "   <{1}>{2}</{1}>\n  </technique>\n </extra>\n",
+                              kColladaExtension, kBlock, escaped_text(block)));
+    }
+    return text;
+  }
+};
+
+/// A zip of the document, which has its meshes within, and a manifest that names it
+/// (Khronos' specification, chapter 10).
+class ColladaArchive : public Collada {
+ public:
+  std::string name() const override { return "zae"; }
+  std::string ending() const override { return ".zae"; }
+  bool recognises(const XmlElement&) const override { return false; }
+  bool recognises_text(std::string_view head) const override { return is_archive(head); }
+  std::string write(const RobotDescription& robot, LossReport& loss) const override {
+    constexpr const char* kManifest =
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<dae_root>./robot.dae</dae_root>\n";
+    return archive_of({{"manifest.xml", kManifest}, {"robot.dae", Collada::write(robot, loss)}});
   }
 };
 
 }  // namespace
 
 std::unique_ptr<RobotFormat> collada_format() { return std::make_unique<Collada>(); }
+std::unique_ptr<RobotFormat> collada_archive_format() { return std::make_unique<ColladaArchive>(); }
 
 }  // namespace prehend::robot::formats

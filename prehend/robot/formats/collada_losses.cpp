@@ -92,6 +92,9 @@ void tell_collada_losses(const RobotDescription& robot, LossReport& loss) {
     } else if (is_held(joint)) {
       loss.approximate(place, "limits of 0", "fixed: they leave it no way");
     }
+    if (has_axis(joint) && joint.lower.has_value() != joint.upper.has_value()) {
+      loss.approximate(place, "limit on one side", "none: programs that read COLLADA need both");
+    }
     if (joint.follows && !joint.follows->is_linear()) {
       loss.approximate(place, "follows by a polynomial",
                        words_of_line(coupling_line(robot, joint), joint));

@@ -45,10 +45,10 @@ void write_accessor(const std::string& id, std::size_t count, ColladaText& text)
   text.close();
 }
 
-/// What a mesh is, for those that know such solids.
-void write_geometry_info(const Shape& shape, bool is_seen, ColladaText& text) {
-  text.open("extra", " type=\"geometry_info\"");
-  text.open("technique", " profile=\"OpenRAVE\"");
+/// A solid, or nothing of a mesh. @param is_body a body's is as thick along x as along y, which its
+/// <radius> says; that of OpenRAVE's "geometry_info" is one number.
+void write_solid(const Shape& shape, bool is_body, ColladaText& text) {
+  const std::string radius = number_text(shape.radius);
   switch (shape.kind) {
     case Shape::Kind::kBox:
       text.open("box");
@@ -57,19 +57,31 @@ void write_geometry_info(const Shape& shape, bool is_seen, ColladaText& text) {
       break;
     case Shape::Kind::kSphere:
       text.open("sphere");
-      text.leaf("radius", "", number_text(shape.radius));
+      text.leaf("radius", "", radius);
       text.close();
       break;
     case Shape::Kind::kCylinder:
     case Shape::Kind::kCapsule:
       text.open(shape.kind == Shape::Kind::kCylinder ? "cylinder" : "capsule");
-      text.leaf("radius", "", number_text(shape.radius));
       text.leaf("height", "", number_text(shape.length));
+      text.leaf("radius", "", is_body ? radius + " " + radius : radius);
       text.close();
       break;
-    default:
+    case Shape::Kind::kPlane:
+      text.open("plane");
+      text.leaf("equation", "", "0 0 1 0");
+      text.close();
+      break;
+    case Shape::Kind::kMesh:
       break;
   }
+}
+
+/// What a mesh is, for those that know such solids.
+void write_geometry_info(const Shape& shape, bool is_seen, ColladaText& text) {
+  text.open("extra", " type=\"geometry_info\"");
+  text.open("technique", " profile=\"OpenRAVE\"");
+  write_solid(shape, false, text);
   text.open("visible");
   text.leaf("bool", "", is_seen ? "true" : "false");
   text.close();
@@ -211,53 +223,34 @@ void ColladaShapeWriter::write_nodes(const LinkDescription& link, ColladaText& t
   }
 }
 
+void ColladaShapeWriter::write_touched_mesh(const LinkDescription& link, const Shape& shape,
+                                            ColladaText& text) {
+  // What is seen where it is touched is there once.
+  const auto& once = once_[link.name];
+  const auto seen = ids_.find(key_of(shape, true));
+  const auto its = seen == ids_.end() ? once.end() : once.find(seen->second);
+  const Shape* same = its == once.end() ? nullptr : its->second;
+  const bool is_shared = same && same->X_LS.isApprox(shape.X_LS, 0) &&
+                         (shape.name.empty() || shape.name == same->name) &&
+                         (!shape.color || shape.color == same->color) &&
+                         (shape.material.empty() || shape.material == same->material);
+  if (is_shared) {
+    text.leaf("instance_geometry", xml_attribute("url", "#" + its->first));
+  } else {
+    write_instance(shape, geometry(shape, false), text);
+  }
+}
+
 void ColladaShapeWriter::write_shape(const LinkDescription& link, const Shape& shape,
                                      const RigidTransform& X_RL, ColladaText& text) {
   RigidTransform X = X_RL * shape.X_LS;
-  text.open("shape");
-  switch (shape.kind) {
-    case Shape::Kind::kBox:
-      text.open("box");
-      text.leaf("half_extents", "", numbers_text(shape.size / 2));
-      text.close();
-      break;
-    case Shape::Kind::kSphere:
-      text.open("sphere");
-      text.leaf("radius", "", number_text(shape.radius));
-      text.close();
-      break;
-    case Shape::Kind::kCylinder:
-    case Shape::Kind::kCapsule:
-      text.open(shape.kind == Shape::Kind::kCylinder ? "cylinder" : "capsule");
-      text.leaf("height", "", number_text(shape.length));
-      text.leaf("radius", "", number_text(shape.radius) + " " + number_text(shape.radius));
-      text.close();
-      // It stands along y there.
-      X.rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
-      break;
-    case Shape::Kind::kPlane:
-      text.open("plane");
-      text.leaf("equation", "", "0 0 1 0");
-      text.close();
-      break;
-    case Shape::Kind::kMesh: {
-      // What is seen where it is touched is there once.
-      const auto& once = once_[link.name];
-      const auto seen = ids_.find(key_of(shape, true));
-      const auto its = seen == ids_.end() ? once.end() : once.find(seen->second);
-      const Shape* same = its == once.end() ? nullptr : its->second;
-      const bool is_shared = same && same->X_LS.isApprox(shape.X_LS, 0) &&
-                             (shape.name.empty() || shape.name == same->name) &&
-                             (!shape.color || shape.color == same->color) &&
-                             (shape.material.empty() || shape.material == same->material);
-      if (is_shared) {
-        text.leaf("instance_geometry", xml_attribute("url", "#" + its->first));
-      } else {
-        write_instance(shape, geometry(shape, false), text);
-      }
-      break;
-    }
+  // They stand along y there.
+  if (shape.kind == Shape::Kind::kCylinder || shape.kind == Shape::Kind::kCapsule) {
+    X.rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
   }
+  text.open("shape");
+  write_solid(shape, true, text);
+  if (shape.kind == Shape::Kind::kMesh) write_touched_mesh(link, shape, text);
   text.steps(X);
   if (shape.kind != Shape::Kind::kMesh && !shape.name.empty()) {
     text.open("extra", " type=\"shape_info\"" + xml_attribute("name", shape.name));

@@ -48,6 +48,7 @@ class ColladaShapeWriter {
   void write_geometry(const std::string& id, const Shape& shape, bool is_seen);
   void write_instance(const Shape& shape, const std::string& geometry, ColladaText& text);
   std::string material(const Shape& shape);
+  void write_touched_mesh(const LinkDescription& link, const Shape& shape, ColladaText& text);
   void write_shape(const LinkDescription& link, const Shape& shape,
                    const geometry::RigidTransform& X_RL, ColladaText& text);
 

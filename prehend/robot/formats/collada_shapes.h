@@ -1,9 +1,7 @@
 #pragma once
 
-#include <array>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,6 +10,8 @@
 
 #include <Eigen/Geometry>
 
+#include "prehend/robot/formats/collada_geometries.h"
+#include "prehend/robot/formats/collada_materials.h"
 #include "prehend/robot/formats/robot_description.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -29,11 +29,11 @@ struct ColladaLinks {
 /// node is of the link that <bind_joint_axis> or <bind_kinematics_model> tie to it, else of that
 /// whose name it has, else of that of the node above it. Elements that are bound to a joint count
 /// as at 0, whatever angle they have, and so does the link: its shapes stand in its frame.
-/// Meshes are in metres; polygons become fans of triangles, as of convex ones.
 class ColladaShapes {
  public:
   /// @param length metres of the document's unit
-  ColladaShapes(TrackedXml& document, double length) : document_(document), length_(length) {}
+  ColladaShapes(TrackedXml& document, double length)
+      : document_(document), length_(length), geometries_(document, length), materials_(document) {}
 
   /// The shapes of the scene that the document shows, or of its first, as what is seen of the
   /// links. @throws geometry::InputError with the place: a source, geometry or node that is not
@@ -51,17 +51,6 @@ class ColladaShapes {
   std::string link_of_node(const std::string& id) const;
 
  private:
-  /// Triangles of one material.
-  struct Part {
-    std::string symbol;  // of its material, to be bound
-    std::shared_ptr<const geometry::TriangleMesh> surface;
-    std::string name;  // by the link that has it first
-  };
-  struct Geometry {
-    std::vector<Part> parts;
-    bool is_seen = true;
-    std::optional<Shape> primitive;  // that the mesh is, as OpenRAVE's "geometry_info" says
-  };
   struct Binding {
     std::vector<std::string> path;  // ids and sids, that of the bound one last
     std::string link;
@@ -87,25 +76,16 @@ class ColladaShapes {
   void move(const XmlElement& step, Eigen::Affine3d& X) const;
   std::vector<Shape> shapes_of(const XmlElement& instance, const Eigen::Affine3d& X_LG,
                                const std::string& link);
-  Geometry& geometry_of(const XmlElement& instance);
-  std::vector<Part> read_mesh(const XmlElement& mesh, double length);
-  std::vector<Eigen::Vector3d> read_points(const XmlElement& mesh, double length);
-  std::vector<Eigen::Vector3d> read_source(const std::string& url, const XmlElement& user,
-                                           double length);
-  void read_triangles(const XmlElement& primitive, std::size_t points,
-                      std::vector<Eigen::Vector3i>& triangles);
-  std::optional<std::array<double, 4>> color(const XmlElement& material);
-  std::optional<XmlElement> referred(const std::string& url);
 
   TrackedXml& document_;
   const double length_;
+  ColladaGeometries geometries_;
+  ColladaMaterials materials_;
   std::vector<Binding> axes_, roots_;
   std::set<std::string> bound_links_;
-  std::map<std::string, Geometry> geometries_;         // by id
   std::map<std::string, Eigen::Affine3d> X_SN_;        // of the first node of each link
   std::map<std::string, std::string> links_of_nodes_;  // by id
   std::map<std::string, int> counts_;                  // of named surfaces, by link
-  std::set<std::string> told_;                         // sources that are not kept, by id
   std::vector<Instance> instances_;
   /// What is seen of a link, by its name and the geometry's id: once for each time.
   std::map<std::pair<std::string, std::string>, std::vector<std::vector<Shape>>> placed_;

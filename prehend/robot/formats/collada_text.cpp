@@ -1,8 +1,11 @@
 #include "prehend/robot/formats/collada_text.h"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 
+#include "prehend/robot/formats/collada_elements.h"
 #include "prehend/robot/formats/xml_text.h"
 
 namespace prehend::robot::formats {
@@ -12,13 +15,16 @@ std::string xml_attribute(std::string_view name, std::string_view value) {
 }
 
 std::string degrees_text(double angle) {
-  constexpr double kInRadians = std::numbers::pi / 180;
-  const double nearest = angle / kInRadians;
+  const long double exact = angle / (std::numbers::pi_v<long double> / 180);
+  const double nearest = static_cast<double>(exact);
   for (const double one :
        {nearest, std::nextafter(nearest, -INFINITY), std::nextafter(nearest, INFINITY)}) {
-    if (kInRadians * one == angle) return number_text(one);
+    std::string text = number_text(one);
+    if (radians_of_degrees(text) == angle) return text;
   }
-  return number_text(nearest);
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), exact);
+  return {text.data(), end.ptr};
 }
 
 void ColladaText::open(const std::string& name, const std::string& attributes) {
@@ -47,7 +53,8 @@ void ColladaText::steps(const geometry::RigidTransform& X) {
   constexpr double kRounding = 1e-15;  // rad
   if (std::abs(turn.angle()) < kRounding) turn = {0, Eigen::Vector3d::UnitX()};
   leaf("translate", "", numbers_text(X.translation()));
-  leaf("rotate", "", numbers_text(turn.axis()) + " " + degrees_text(turn.angle()));
+  leaf("rotate", "",
+       numbers_text(turn.axis()) + " " + number_text(turn.angle() * (180 / std::numbers::pi)));
 }
 
 }  // namespace prehend::robot::formats

@@ -11,8 +11,8 @@ namespace prehend::robot::formats {
 /// ` name="value"`, with entities.
 std::string xml_attribute(std::string_view name, std::string_view value);
 
-/// An angle [rad] in degrees, of which prehend's reader makes the same number again, where there is
-/// one of which it would.
+/// An angle [rad] in degrees, of which radians_of_degrees() makes the same number again: in the
+/// digits of a double where those are enough.
 std::string degrees_text(double angle);
 
 /// Elements as they are written, in lines that are moved in.

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/collada_extra_writer.h"
 #include "prehend/robot/formats/collada_losses.h"
 #include "prehend/robot/formats/collada_shape_writer.h"
@@ -18,15 +17,16 @@
 namespace prehend::robot::formats {
 namespace {
 
-using geometry::InputError;
 using geometry::RigidTransform;
 using Kind = JointDescription::Kind;
 
 class ColladaWriter {
  public:
   explicit ColladaWriter(const RobotDescription& robot) : robot_(robot), shapes_(robot) {
-    const std::vector<std::string> order = tree_order(robot);
-    root_ = order.front();
+    // COLLADA, its library, model and technique_common, and two for each link.
+    constexpr std::size_t kMostAbove = 46;
+    refuse_deep_links(robot, kMostAbove, "COLLADA");
+    root_ = roots(robot).front();
     for (std::size_t i = 0; i < robot.joints.size(); ++i) {
       number_of_joint_[robot.joints[i].name] = i;
       below_[robot.joints[i].parent].push_back(i);
@@ -123,7 +123,7 @@ class ColladaWriter {
     text.open("kinematics_model", " id=\"kmodel0\"" + xml_attribute("name", robot_.name));
     text.open("technique_common");
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) write_joint(i, text);
-    write_link(number_of_link_.at(root_), nullptr, 0, text);
+    write_link(number_of_link_.at(root_), nullptr, text);
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) write_formula(i, text);
     text.close();
     write_model_extras(robot_, text);
@@ -142,10 +142,11 @@ class ColladaWriter {
       text.leaf("axis", "", numbers_text(axes[i]));
       const std::optional<double> lower = is_moved(joint) ? joint.lower : 0,
                                   upper = is_moved(joint) ? joint.upper : 0;
-      if ((lower || upper) && joint.kind != Kind::kBall) {
+      // ROS's reader ends at a limit on one side.
+      if (lower && upper && joint.kind != Kind::kBall) {
         text.open("limits");
-        if (lower) text.leaf("min", "", limit_text(joint, *lower));
-        if (upper) text.leaf("max", "", limit_text(joint, *upper));
+        text.leaf("min", "", limit_text(joint, *lower));
+        text.leaf("max", "", limit_text(joint, *upper));
         text.close();
       }
       text.close();
@@ -153,16 +154,8 @@ class ColladaWriter {
     text.close();
   }
 
-  void write_link(std::size_t link, const JointDescription* joint, int depth, ColladaText& text) {
-    constexpr int kDeepest = 46;
+  void write_link(std::size_t link, const JointDescription* joint, ColladaText& text) {
     const LinkDescription& its = robot_.links[link];
-    if (depth > kDeepest) {
-      throw InputError(
-          fmt::format("Link '{}' hangs on a chain of more than {} links, which COLLADA "
-                      "has within one another: too deep to be read",
-                      its.name, kDeepest),
-          "Write another format, as SDF");
-    }
     text.open("link",
               fmt::format(" sid=\"link{}\"", link) + xml_attribute("name", link_names_[link]));
     if (joint && !joint->X_JC.isApprox(RigidTransform::Identity(), 0)) text.steps(joint->X_JC);
@@ -170,7 +163,7 @@ class ColladaWriter {
       const JointDescription& next = robot_.joints[below];
       text.open("attachment_full", xml_attribute("joint", "kmodel0/" + joint_sid(below)));
       text.steps(next.X_PJ);
-      write_link(number_of_link_.at(next.child), &next, depth + 1, text);
+      write_link(number_of_link_.at(next.child), &next, text);
       text.close();
     }
     text.close();

@@ -14,8 +14,7 @@ namespace prehend::robot::formats {
 /// as ROS's collada_urdf has them. What is of no such element is in `loss`: closed loops, postures,
 /// floating and planar joints (fixed), meshes that are not loaded (TakenMeshes::kEmbedded loads
 /// them). It has no date, so that equal robots are equal files.
-/// @throws as tree_order(); geometry::InputError for chains of more than 46 links, which are
-/// elements within one another, deeper than programs read them
+/// @throws as refuse_deep_links(), for a link that has more than 46 above it
 std::string collada_text(const RobotDescription& robot, LossReport& loss);
 
 }  // namespace prehend::robot::formats

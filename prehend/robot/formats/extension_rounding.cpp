@@ -83,7 +83,9 @@ void take_rounded(Sensor& plain, const Sensor& robot) {
   if (is_near(plain.X_LS, robot.X_LS)) plain.X_LS = robot.X_LS;
 }
 void take_rounded(Actuator&, const Actuator&) {}
-void take_rounded(Manipulator&, const Manipulator&) {}
+void take_rounded(Manipulator& plain, const Manipulator& robot) {
+  if (is_near(plain.X_TipTool, robot.X_TipTool)) plain.X_TipTool = robot.X_TipTool;
+}
 void take_rounded(Posture&, const Posture&) {}
 
 }  // namespace prehend::robot::formats

@@ -14,7 +14,7 @@ void take_rounded(JointDescription& plain, const JointDescription& robot);
 void take_rounded(Loop& plain, const Loop& robot);
 void take_rounded(Sensor& plain, const Sensor& robot);
 void take_rounded(Actuator&, const Actuator&);
-void take_rounded(Manipulator&, const Manipulator&);
+void take_rounded(Manipulator& plain, const Manipulator& robot);
 void take_rounded(Posture&, const Posture&);
 
 }  // namespace prehend::robot::formats

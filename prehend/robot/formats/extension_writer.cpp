@@ -271,10 +271,16 @@ std::string extension_text(const RobotDescription& robot,
   for (const auto& [what, count] : written.kept()) loss.keep(what, count);
   JsonValue block = JsonValue::object();
   block["version"] = kExtensionVersion;
+  std::string text;
   try {
-    const JsonValue said = ExtensionMaker(robot, read_again()).block();
+    RobotDescription plain = read_again();
+    const JsonValue said = ExtensionMaker(robot, plain).block();
     said.dump();  // refuses what is no UTF-8
     block.update(said);
+    text = json_text(block, loss);
+    // A robot that names what is not there has a block that is refused, and with it its file.
+    LossReport unused;
+    apply_extension(text, "The robot's file", plain, unused);
     for (const auto& entry : written.entries()) {
       if (entry.fate == Fate::kApproximated) loss.extend(entry.place, entry.what, entry.why);
     }
@@ -288,7 +294,7 @@ std::string extension_text(const RobotDescription& robot,
     loss.drop("robot", "prehend's extension", error.what());
     return {};
   }
-  return json_text(block, loss);
+  return text;
 }
 
 std::string on_one_line(const std::string& block) { return JsonValue::parse(block).dump(); }

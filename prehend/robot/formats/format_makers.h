@@ -7,6 +7,7 @@
 namespace prehend::robot::formats {
 
 std::unique_ptr<RobotFormat> collada_format();
+std::unique_ptr<RobotFormat> collada_archive_format();
 std::unique_ptr<RobotFormat> graspit_format();
 std::unique_ptr<RobotFormat> json_format();
 std::unique_ptr<RobotFormat> openrave_format();

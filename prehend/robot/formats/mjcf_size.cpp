@@ -61,9 +61,8 @@ class MjcfSizes {
       times *= product_of(element, "count");
       bodies_ += times;
     }
-    constexpr int kMostBodies = 2000;  // the compiler's time is as their square
-    if (bodies_ > kMostBodies) {
-      element.fail(fmt::format("the model has more than {} bodies", kMostBodies),
+    if (bodies_ > kMostMjcfBodies) {
+      element.fail(fmt::format("the model has more than {} bodies", kMostMjcfBodies),
                    "No robot has so many: check the file, or split it");
     }
     const auto refuse_above = [&](double most, double number, const char* what) {

@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/mjcf_size.h"
 #include "prehend/robot/formats/xml_text.h"
 
 namespace prehend::robot::formats {
@@ -35,6 +37,7 @@ class MjcfWriter {
  public:
   MjcfWriter(const RobotDescription& robot, LossReport& loss) : robot_(robot), loss_(loss) {
     order_ = tree_order(robot);
+    refuse_what_is_not_read();
   }
 
   std::string text() {
@@ -58,6 +61,20 @@ class MjcfWriter {
   }
 
  private:
+  void refuse_what_is_not_read() const {
+    const bool is_on_world = order_.front() == kWorld;
+    // mujoco, worldbody, and what is of the last body; the world is none.
+    constexpr std::size_t kMostInChain = 96;
+    refuse_deep_links(robot_, is_on_world ? kMostInChain : kMostInChain - 1, "MJCF");
+    if (order_.size() - (is_on_world ? 1 : 0) > kMostMjcfBodies) {
+      throw geometry::InputError(
+          fmt::format("The robot has more than {} links, and prehend reads no MJCF of more: the "
+                      "time of MuJoCo's compiler is as their square",
+                      kMostMjcfBodies),
+          "Write URDF, SDF or .robot.json");
+    }
+  }
+
   static void section(std::string& text, const char* name, const std::string& lines) {
     if (!lines.empty()) text += fmt::format("  <{0}>\n{1}  </{0}>\n", name, lines);
   }

@@ -135,6 +135,23 @@ std::vector<std::string> tree_order(const RobotDescription& robot) {
   return order;
 }
 
+void refuse_deep_links(const RobotDescription& robot, std::size_t most, const std::string& format) {
+  std::unordered_map<std::string, std::string> above;
+  for (const JointDescription& joint : robot.joints) above.emplace(joint.child, joint.parent);
+  std::unordered_map<std::string, std::size_t> depths;
+  for (const std::string& link : tree_order(robot)) {
+    const auto parent = above.find(link);
+    const std::size_t depth = parent == above.end() ? 0 : depths.at(parent->second) + 1;
+    depths.emplace(link, depth);
+    if (depth <= most) continue;
+    throw InputError(
+        fmt::format("Link '{}' has {} links above it, one above the other: {} has each within the "
+                    "element of the one above, and more than {} are deeper than programs read XML",
+                    link, depth, format, most),
+        "Write URDF, SDF or .robot.json, which have links one after the other");
+  }
+}
+
 namespace {
 
 // The polynomial outer(inner(q)), by Horner's scheme.

@@ -161,6 +161,13 @@ std::string words_of_line(const CouplingLine& coupling, const JointDescription& 
 /// several, links in a ring.
 std::vector<std::string> tree_order(const RobotDescription& robot);
 
+/// For formats that have a link's element within that of the link above it: programs that read XML
+/// do so to a depth of 99 elements (tinyxml2, by which prehend and MuJoCo read), or 256 (libxml2).
+/// @throws geometry::InputError naming the first link that has more than `most` links above it, one
+/// above the other; as tree_order()
+/// @param format for the words, as "COLLADA"
+void refuse_deep_links(const RobotDescription& robot, std::size_t most, const std::string& format);
+
 /// A joint that follows one that follows one, and so on: at most so many, else it is a circle.
 constexpr int kMostLeaders = 64;
 

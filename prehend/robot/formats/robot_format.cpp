@@ -83,6 +83,7 @@ const std::vector<std::unique_ptr<RobotFormat>>& robot_formats() {
     all.push_back(sdf_format());
     all.push_back(simox_format());
     all.push_back(urdf_format());
+    all.push_back(collada_archive_format());
     return all;
   }();
   return kAll;
@@ -115,11 +116,6 @@ const RobotFormat& format_of(const std::filesystem::path& file) {
 const RobotFormat& format_for(const std::filesystem::path& file) {
   for (const auto& format : robot_formats()) {
     if (format->can_write() && file.extension() == format->ending()) return *format;
-  }
-  if (file.extension() == ".zae") {
-    const std::string document = std::filesystem::path(file).replace_extension(".dae").string();
-    throw InputError("'" + file.string() + "': archives of COLLADA are read, not written",
-                     "Write the document itself, " + document);
   }
   throw InputError("'" + file.string() + "' ends like no format that is written",
                    "Give it an ending, or name its format: " + joined(names_of(true)));

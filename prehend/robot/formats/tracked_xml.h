@@ -74,6 +74,10 @@ class TrackedXml {
   XmlElement root();
   /// The element with that attribute `id`, wherever it is; it and all around it count as kept.
   std::optional<XmlElement> by_id(const std::string& id);
+  /// That of "#id"; none for an address in another document, too.
+  std::optional<XmlElement> by_url(const std::string& url) {
+    return url.starts_with('#') ? by_id(url.substr(1)) : std::nullopt;
+  }
   /// Names of elements and attributes are found whatever their case.
   void ignore_case();
   /// Everything that nobody asked for is dropped, and said to be, with the outermost element of

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <tuple>
 
 #include "prehend/geometry/errors.h"
 #include "tests/robot/formats/robot_files.h"
@@ -80,6 +82,27 @@ TEST_F(ColladaFiles, ColladaLinksHangInOneAnother) {
   EXPECT_TRUE((link_poses(lift, {}).at("arm") * inertial->X_LI)
                   .isApprox(RigidTransform(Eigen::Translation3d(0, 0.07, 0)), 1e-12));
   EXPECT_THAT(loss_.text(), HasSubstr("extra: it is of its writer's own"));
+}
+
+/// A slope is the number that is written, and no difference of values, which would round.
+TEST_F(ColladaFiles, ColladaFormulasHaveTheirOwnNumbers) {
+  const std::string q = "<csymbol>k/first</csymbol>";
+  const auto apply = [](const std::string& operation, const std::string& parts) {
+    return "<apply><" + operation + "/>" + parts + "</apply>";
+  };
+  const std::vector<std::tuple<std::string, double, double>> cases{
+      {apply("plus", apply("times", "<cn>0.1</cn>" + q) + "<cn>1000</cn>"), 1000, 0.1},
+      {apply("divide", q + "<cn>3</cn>"), 0, 1.0 / 3},
+      {apply("minus", "<cn>1</cn>" + apply("divide", q + "<cn>4</cn>")), 1, -0.25},
+      {apply("minus", apply("times", "<cn>3</cn>" + q + "<cn>0.1</cn>")), 0, -(3 * 0.1)},
+      {apply("times", apply("sin", "<cn>0.5</cn>") + q), 0, std::sin(0.5)},
+      {apply("plus", q + apply("cos", "<cn>0.5</cn>") + q), std::cos(0.5), 2}};
+  for (const auto& [formula, offset, slope] : cases) {
+    const RobotDescription lift = read("lift.dae", collada("<math>" + formula + "</math>"));
+    ASSERT_TRUE(lift.joint("slide")->follows) << formula;
+    EXPECT_EQ(lift.joint("slide")->follows->offset(), offset) << formula;
+    EXPECT_EQ(lift.joint("slide")->follows->multiplier(), slope) << formula;
+  }
 }
 
 TEST_F(ColladaFiles, ColladaFormulasThatAreNoLineAreSaid) {

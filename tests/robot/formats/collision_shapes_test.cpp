@@ -17,7 +17,6 @@ namespace {
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
 using ::testing::HasSubstr;
-using Kind = CollisionKind;
 
 Shape shape_of(TriangleMesh mesh) {
   Shape shape;
@@ -42,7 +41,7 @@ LinkDescription link_of(TriangleMesh mesh, const RigidTransform& X_LS = somewher
   return link;
 }
 
-CollisionShapes made(const LinkDescription& link, Kind kind, double concavity = 0.004) {
+CollisionShapes made(const LinkDescription& link, CollisionKind kind, double concavity = 0.004) {
   ShapeMeshes meshes(".");
   return collision_shapes(link, meshes, kind, concavity);
 }
@@ -81,7 +80,8 @@ TEST(CollisionShapes, HoldAllThatIsSeenOfAnyShape) {
     std::vector<Eigen::Vector3d> cloud(60);
     for (auto& p : cloud) p = {0.05 * normal(random), 0.02 * normal(random), 0.01 * normal(random)};
     const LinkDescription link = link_of(geometry::convex_hull(cloud));
-    for (const Kind kind : {Kind::kBox, Kind::kSphere, Kind::kCylinder, Kind::kCapsule}) {
+    for (const CollisionKind kind : {CollisionKind::kBox, CollisionKind::kSphere,
+                                     CollisionKind::kCylinder, CollisionKind::kCapsule}) {
       const auto shapes = made(link, kind).shapes;
       ASSERT_EQ(shapes.size(), 1U);
       EXPECT_LE(beyond(link, shapes[0]), 1e-9) << collision_kinds()[static_cast<int>(kind)];
@@ -92,7 +92,7 @@ TEST(CollisionShapes, HoldAllThatIsSeenOfAnyShape) {
 
 TEST(CollisionShapes, OfABoxIsThatBoxHoweverItStands) {
   const LinkDescription link = link_of(geometry::make_box({0.1, 0.04, 0.02}));
-  const Shape box = made(link, Kind::kBox).shapes.at(0);
+  const Shape box = made(link, CollisionKind::kBox).shapes.at(0);
   Eigen::Vector3d size = box.size;
   std::sort(size.data(), size.data() + 3);
   EXPECT_TRUE(size.isApprox(Eigen::Vector3d(0.02, 0.04, 0.1), 1e-9)) << size.transpose();
@@ -101,9 +101,9 @@ TEST(CollisionShapes, OfABoxIsThatBoxHoweverItStands) {
 
 TEST(CollisionShapes, OfABallIsThatBall) {
   const LinkDescription link = link_of(geometry::make_sphere(0.05, 48));
-  const Shape ball = made(link, Kind::kSphere).shapes.at(0);
+  const Shape ball = made(link, CollisionKind::kSphere).shapes.at(0);
   EXPECT_NEAR(ball.radius, 0.05, 0.0005);
-  const Shape capsule = made(link, Kind::kCapsule).shapes.at(0);
+  const Shape capsule = made(link, CollisionKind::kCapsule).shapes.at(0);
   EXPECT_NEAR(capsule.radius, 0.05, 0.0005);
   EXPECT_NEAR(capsule.length, 0, 0.0005);
 }
@@ -118,7 +118,8 @@ TEST(CollisionShapes, PiecesLeaveADentAsDeepAsTheConcavity) {
     for (const Shape& one : all.shapes) sum += geometry::mass_properties(*one.surface).volume;
     return sum;
   };
-  const auto hull = made(link, Kind::kHull), pieces = made(link, Kind::kPieces, 0.002);
+  const auto hull = made(link, CollisionKind::kHull),
+             pieces = made(link, CollisionKind::kPieces, 0.002);
   EXPECT_EQ(hull.shapes.size(), 1U);
   EXPECT_GT(volume(hull), 1.5 * 8e-5);
   EXPECT_EQ(pieces.shapes.size(), 2U);
@@ -130,11 +131,11 @@ TEST(CollisionShapes, PiecesLeaveADentAsDeepAsTheConcavity) {
 TEST(CollisionShapes, SayWhatIsOpenAndRefuseWhatHasNoShape) {
   TriangleMesh open = geometry::make_box({0.1, 0.1, 0.1});
   open.triangles.pop_back();
-  const auto pieces = made(link_of(open), Kind::kPieces);
+  const auto pieces = made(link_of(open), CollisionKind::kPieces);
   ASSERT_EQ(pieces.remarks.size(), 1U);
   EXPECT_THAT(pieces.remarks[0], HasSubstr("its mesh 'seen' has 1 holes or cracks: closed"));
 
-  const auto refused = [](const LinkDescription& link, Kind kind) {
+  const auto refused = [](const LinkDescription& link, CollisionKind kind) {
     try {
       made(link, kind);
     } catch (const geometry::InputError& error) {
@@ -144,17 +145,17 @@ TEST(CollisionShapes, SayWhatIsOpenAndRefuseWhatHasNoShape) {
   };
   LinkDescription bare;
   bare.name = "tip";
-  EXPECT_THAT(refused(bare, Kind::kBox), HasSubstr("Link 'tip' has nothing that is seen"));
+  EXPECT_THAT(refused(bare, CollisionKind::kBox), HasSubstr("Link 'tip' has nothing that is seen"));
   TriangleMesh flat;
   flat.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
   flat.triangles = {{0, 1, 2}};
-  EXPECT_EQ(refused(link_of(flat), Kind::kBox), "taken");
-  EXPECT_NE(refused(link_of(flat), Kind::kHull), "taken");
-  EXPECT_NE(refused(link_of(flat), Kind::kPieces), "taken");
+  EXPECT_EQ(refused(link_of(flat), CollisionKind::kBox), "taken");
+  EXPECT_NE(refused(link_of(flat), CollisionKind::kHull), "taken");
+  EXPECT_NE(refused(link_of(flat), CollisionKind::kPieces), "taken");
   LinkDescription missing = link_of(flat);
   missing.visuals[0].surface.reset();
   missing.visuals[0].mesh = "no_such.stl";
-  EXPECT_THAT(refused(missing, Kind::kBox), HasSubstr("no_such.stl"));
+  EXPECT_THAT(refused(missing, CollisionKind::kBox), HasSubstr("no_such.stl"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -98,6 +99,21 @@ std::string first_difference(const std::string& one, const std::string& other) {
   return one == other ? "" : "one is longer";
 }
 
+/// Meshes without the names and scales of their files.
+RobotDescription without_names(RobotDescription robot) {
+  for (LinkDescription& link : robot.links) {
+    for (auto* shapes : {&link.visuals, &link.collisions}) {
+      for (Shape& shape : *shapes) {
+        if (shape.kind != Shape::Kind::kMesh) continue;
+        EXPECT_TRUE(shape.surface && !shape.surface->triangles.empty()) << shape.mesh;
+        shape.mesh = "mesh";
+        shape.scale = Eigen::Vector3d::Ones();
+      }
+    }
+  }
+  return robot;
+}
+
 class Extension : public RobotFiles {
  protected:
   /// The JSON's text, in one order, rounded; inertia in the link's axes, as formats differ there.
@@ -161,12 +177,20 @@ TEST_F(Extension, MjcfKeepsAllThatADescriptionHas) {
   EXPECT_TRUE(loss_.lossless()) << loss_.text();
 }
 
+TEST_F(Extension, ColladaKeepsAllThatADescriptionHas) {
+  const RobotDescription robot = everything();
+  for (const char* format : {"collada", "zae"}) {
+    EXPECT_EQ(first_difference(text_of(through(robot, format)), text_of(robot)), "") << format;
+    EXPECT_TRUE(loss_.lossless()) << loss_.text();
+    EXPECT_THAT(report_, HasSubstr("kept in prehend's extension, which other programs do not read: "
+                                   "2 closed loops, 2 postures"));
+  }
+}
+
 TEST_F(Extension, EveryPairOfWrittenFormatsKeepsIt) {
   const RobotDescription robot = everything();
-  std::vector<std::string> formats{"urdf", "sdf"};
-  if (has_mjcf()) formats.emplace_back("mjcf");
-  for (const std::string& first : formats) {
-    for (const std::string& second : formats) {
+  for (const std::string& first : written_formats()) {
+    for (const std::string& second : written_formats()) {
       EXPECT_EQ(first_difference(text_of(through(through(robot, first), second)), text_of(robot)),
                 "")
           << first << " to " << second;
@@ -177,14 +201,15 @@ TEST_F(Extension, EveryPairOfWrittenFormatsKeepsIt) {
 /// Other programs read a line that is right at the ends of the leader's range.
 TEST_F(Extension, PolynomialCouplingsAreLinesForOthers) {
   const RobotDescription robot = everything();
-  for (const char* format : {"urdf", "sdf"}) {
+  const std::vector<std::pair<std::string, std::string>> blocks{
+      {"urdf", "prehend"}, {"sdf", "prehend:robot"}, {"collada", "robot"}};
+  for (const auto& [format, element] : blocks) {
     LossReport loss;
     std::string text = format_named(format).write(robot, loss);
-    const std::string element = format == std::string("urdf") ? "prehend" : "prehend:robot";
     const std::size_t begin = text.find("<" + element), end = text.find("</" + element + ">");
     ASSERT_NE(end, std::string::npos);
     text.erase(begin, end + element.size() + 3 - begin);
-    const RobotDescription others = read(std::string("others.") + format, text);
+    const RobotDescription others = read("others." + format, text);
     const Follows& line = *others.joint("k")->follows;
     EXPECT_TRUE(line.is_linear());
     for (const double q : {-0.2, 1.5}) {
@@ -213,6 +238,24 @@ TEST_F(Extension, IsNotThereWhereNothingIsMissing) {
     EXPECT_THAT(format_named(format).write(plain, loss), Not(HasSubstr("prehend"))) << format;
     EXPECT_TRUE(loss.entries().empty()) << loss.text();
   }
+  LossReport loss;  // COLLADA's says who wrote it
+  EXPECT_THAT(format_named("collada").write(plain, loss), Not(HasSubstr("\"prehend\"")));
+  EXPECT_TRUE(loss.entries().empty()) << loss.text();
+}
+
+TEST_F(Extension, ARobotThatNamesWhatIsNotThereIsReadAgain) {
+  RobotDescription robot = everything();
+  robot.sensors[0].link = "gone";
+  for (const std::string& format : written_formats()) {
+    if (format == "json") continue;  // has no block
+    LossReport loss;
+    const std::string text = format_named(format).write(robot, loss);
+    EXPECT_FALSE(loss.lossless()) << format;
+    EXPECT_THAT(loss.text(), AllOf(HasSubstr("dropped prehend's extension"),
+                                   HasSubstr("there is no link 'gone'")))
+        << format;
+    EXPECT_EQ(error_of("gone." + format, text), "") << format;
+  }
 }
 
 TEST_F(Extension, EditsOfTheRestOfTheFileCount) {
@@ -225,6 +268,17 @@ TEST_F(Extension, EditsOfTheRestOfTheFileCount) {
   EXPECT_EQ(again.joint("j")->lower, -0.7);
   EXPECT_EQ(again.joint("j")->effort, 9);
   EXPECT_EQ(again.joint("j")->stiffness, 0.3);
+}
+
+TEST_F(Extension, EditsOfTheRestOfColladaCount) {
+  RobotDescription robot = everything();
+  robot.joints[0].upper = std::numbers::pi / 2;
+  LossReport loss;
+  std::string text = format_named("collada").write(robot, loss);
+  const std::string before = "<max>90</max>";
+  ASSERT_NE(text.find(before), std::string::npos);
+  text.replace(text.find(before), before.size(), "<max>45</max>");
+  EXPECT_DOUBLE_EQ(*read("edited.dae", text).joint("j")->upper, std::numbers::pi / 4);
 }
 
 /// A shape's surface, which no text says, stays when the block names the shape.
@@ -348,6 +402,30 @@ TEST_F(HostileBlock, OfSdfAndMjcfIsRefusedToo) {
   EXPECT_THAT(sdf(wrong + "\n" + wrong), AllOf(HasSubstr("a.sdf:3"), HasSubstr("twice")));
 }
 
+TEST_F(HostileBlock, OfColladaIsRefusedToo) {
+  const std::string head =
+      "<COLLADA version='1.5.0'><library_kinematics_models><kinematics_model name='r'>"
+      "<technique_common><link sid='a' name='a'/></technique_common></kinematics_model>"
+      "</library_kinematics_models>\n";
+  const auto collada = [&](const std::string& extras) {
+    return error_of("a.dae", head + extras + "</COLLADA>");
+  };
+  const auto extra = [](const std::string& type, const std::string& block) {
+    return "<extra type='" + type + "'><technique profile='" + type + "'>" + block +
+           "</technique></extra>\n";
+  };
+  const std::string wrong = "<robot>{\"version\": 1, \"links\": [{\"name\": \"b\"}]}</robot>";
+  EXPECT_THAT(collada(extra("prehend", wrong)),
+              AllOf(HasSubstr("a.dae:2"), HasSubstr("there is no link 'b'")));
+  EXPECT_THAT(collada(extra("prehend", wrong) + extra("prehend", wrong)),
+              AllOf(HasSubstr("a.dae:3"), HasSubstr("twice")));
+  // What is of others is passed over, and told.
+  EXPECT_EQ(collada(extra("theirs", wrong)), "");
+  EXPECT_FALSE(loss_.lossless());
+  EXPECT_EQ(collada(extra("prehend", "<other/>")), "");
+  EXPECT_THAT(loss_.text(), HasSubstr("COLLADA/extra/technique/other"));
+}
+
 TEST_F(Extension, WhatIsWrongInMjcfIsRefusedToo) {
   if (!has_mjcf()) GTEST_SKIP() << "built without MuJoCo";
   const auto mjcf = [&](const std::string& texts) {
@@ -390,6 +468,12 @@ TEST_F(Extension, RobotsOfOthersComeBackInAllFields) {
       EXPECT_EQ(first_difference(text_of(through(robot, format)), text_of(robot)), "")
           << name << ", " << format;
     }
+    // Of COLLADA meshes are within the file: the same surfaces, of other names.
+    take_out_meshes(robot, folder_, "m", loss, TakenMeshes::kEmbedded);
+    EXPECT_EQ(first_difference(text_of(without_names(through(robot, "collada"))),
+                               text_of(without_names(robot))),
+              "")
+        << name;
   }
 }
 

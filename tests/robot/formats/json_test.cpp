@@ -1,19 +1,15 @@
 // prehend's own text of robots: nothing is lost, and hostile files are refused in words.
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <random>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/json_record.h"
 #include "prehend/robot/formats/model_check.h"
-#include "prehend/robot/formats/robot_format.h"
+#include "tests/robot/formats/robot_files.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -23,30 +19,16 @@ using geometry::InputError;
 using geometry::RigidTransform;
 using testing::HasSubstr;
 
-class JsonFormat : public testing::Test {
+class JsonFormat : public RobotFiles {
  protected:
-  JsonFormat() { fs::create_directories(folder_); }
-  ~JsonFormat() override { fs::remove_all(folder_); }
-  RobotDescription read(const std::string& text) {
-    std::ofstream(folder_ / "a.robot.json") << text;
-    loss_ = {};
-    return read_robot(folder_ / "a.robot.json", loss_);
-  }
+  RobotDescription read(const std::string& text) { return RobotFiles::read("a.robot.json", text); }
   RobotDescription again(const RobotDescription& robot) {
     LossReport loss;
     return read(format_for("a.robot.json").write(robot, loss));
   }
   std::string error_of(const std::string& text) {
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return {};
+    return RobotFiles::error_of("a.robot.json", text);
   }
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("prehend_json_format_" + std::to_string(::getpid()));
-  LossReport loss_;
 };
 
 /// Rotations come back within rounding, all else exactly.
@@ -248,11 +230,9 @@ TEST(JsonRecord, PairsMapsAndFlagsComeBack) {
 }
 
 TEST_F(JsonFormat, IsToldByItsBeginningAndItsEnding) {
-  std::ofstream(folder_ / "any.name") << " \n\t{\"prehend_robot\": 1}";
-  EXPECT_EQ(format_of(folder_ / "any.name").name(), "json");
+  EXPECT_EQ(format_of(file("any.name", " \n\t{\"prehend_robot\": 1}")).name(), "json");
   EXPECT_EQ(format_for("x.robot.json").name(), "json");
-  std::ofstream(folder_ / "arm.json") << "<robot name='a'><link name='b'/></robot>";
-  EXPECT_EQ(format_of(folder_ / "arm.json").name(), "urdf");
+  EXPECT_EQ(format_of(file("arm.json", "<robot name='a'><link name='b'/></robot>")).name(), "urdf");
 }
 
 TEST_F(JsonFormat, MeshesWithinAreSaidToBeLost) {
@@ -348,32 +328,14 @@ TEST_F(JsonFormat, HostileFilesEndInWords) {
 }
 
 TEST_F(JsonFormat, FilesOfOthersComeBackInAllFields) {
-  const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  if (!shared || !fs::is_directory(fs::path(shared) / "models")) GTEST_SKIP() << "no shared models";
-  int read_files = 0;
-  for (const char* folder : {"models", "robots"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(shared) / folder)) {
-      std::string ending = entry.path().extension().string();
-      for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      if (ending != ".urdf" && ending != ".sdf" && ending != ".xml" && ending != ".dae" &&
-          ending != ".zae") {
-        continue;
-      }
-      RobotDescription robot;
-      LossReport loss;
-      try {
-        robot = read_robot(entry.path(), loss);
-      } catch (const InputError&) {
-        continue;  // parts, worlds, faults that are wanted
-      }
-      ++read_files;
-      const RobotDescription read_again = again(robot);
-      expect_same(robot, read_again, entry.path().string());
-      const ModelDifference found = difference(robot, read_again, 20);
-      EXPECT_LT(std::max(found.place, found.turn), 1e-12) << entry.path();
-    }
-  }
-  EXPECT_GE(read_files, 50);
+  if (shared_model("").empty()) GTEST_SKIP() << "no shared models";
+  const int count = for_each_shared_robot([&](const fs::path& path, const RobotDescription& robot) {
+    const RobotDescription read_again = again(robot);
+    expect_same(robot, read_again, path.string());
+    const ModelDifference found = difference(robot, read_again, 20);
+    EXPECT_LT(std::max(found.place, found.turn), 1e-12) << path;
+  });
+  EXPECT_GE(count, 50);
 }
 
 }  // namespace

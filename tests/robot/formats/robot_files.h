@@ -2,10 +2,13 @@
 
 #include <unistd.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -51,6 +54,40 @@ class RobotFiles : public testing::Test {
     const std::filesystem::path path =
         shared ? std::filesystem::path(shared) / "models" / name : std::filesystem::path();
     return std::filesystem::exists(path) ? path : std::filesystem::path();
+  }
+  static std::vector<std::string> written_formats() {
+    std::vector<std::string> names;
+    for (const auto& format : robot_formats()) {
+      if (format->can_write()) names.push_back(format->name());
+    }
+    return names;
+  }
+  using ForRobot = std::function<void(const std::filesystem::path&, const RobotDescription&)>;
+  /// Calls with each robot of those folders' files that is read; parts, worlds, and faults that are
+  /// wanted are not. @returns how many
+  static int for_each_shared_robot(const ForRobot& call) {
+    int count = 0;
+    for (const char* folder : {"models", "robots"}) {
+      const std::filesystem::path below = shared_model("").parent_path().parent_path() / folder;
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(below)) {
+        std::string ending = entry.path().extension().string();
+        for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        if (ending != ".urdf" && ending != ".sdf" && ending != ".xml" && ending != ".dae" &&
+            ending != ".zae") {
+          continue;
+        }
+        RobotDescription robot;
+        LossReport unused;
+        try {
+          robot = read_robot(entry.path(), unused);
+        } catch (const geometry::InputError&) {
+          continue;
+        }
+        ++count;
+        call(entry.path(), robot);
+      }
+    }
+    return count;
   }
 
   const std::filesystem::path folder_ =

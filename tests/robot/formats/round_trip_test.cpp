@@ -1,7 +1,6 @@
 // What is written is read again, and does the same.
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 #include <random>
@@ -65,46 +64,27 @@ TEST(RollPitchYaw, OfEveryRotationGivesItBack) {
 
 /// All files of others that are read go through formats that are written, and do the same.
 TEST_F(RoundTrip, FilesOfOthersComeBackAsTheyWere) {
-  const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  if (!shared || !fs::is_directory(fs::path(shared) / "models")) GTEST_SKIP() << "no shared models";
-  int read_files = 0;
-  for (const char* folder : {"models", "robots"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(shared) / folder)) {
-      std::string ending = entry.path().extension().string();
-      for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      if (ending != ".urdf" && ending != ".sdf" && ending != ".xml" && ending != ".dae" &&
-          ending != ".zae") {
+  if (shared_model("").empty()) GTEST_SKIP() << "no shared models";
+  const int count = for_each_shared_robot([&](const fs::path& path, const RobotDescription& robot) {
+    for (const char* format : {"urdf", "sdf", "collada"}) {
+      RobotDescription again;
+      try {
+        again = written_and_read(robot, format);
+      } catch (const InputError& error) {
+        ADD_FAILURE() << path << " as " << format << ": " << error.what();
         continue;
       }
-      RobotDescription robot;
-      LossReport loss;
-      try {
-        robot = read_robot(entry.path(), loss);
-      } catch (const InputError&) {
-        continue;  // parts, worlds, faults that are wanted
-      }
-      ++read_files;
-      for (const char* format : {"urdf", "sdf", "collada"}) {
-        RobotDescription again;
-        try {
-          again = written_and_read(robot, format);
-        } catch (const InputError& error) {
-          ADD_FAILURE() << entry.path() << " as " << format << ": " << error.what();
-          continue;
-        }
-        const ModelDifference found = difference(robot, again, 50);
-        EXPECT_LT(std::max(found.place, found.turn), 1e-9) << entry.path() << " as " << format;
-      }
+      const ModelDifference found = difference(robot, again, 50);
+      EXPECT_LT(std::max(found.place, found.turn), 1e-9) << path << " as " << format;
     }
-  }
-  EXPECT_GE(read_files, 50);
+  });
+  EXPECT_GE(count, 50);
 }
 
 // The same arm in two formats, by their own authors.
 TEST_F(RoundTrip, ThePandaIsThePanda) {
-  const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  const fs::path folder = shared ? fs::path(shared) / "models/urdf/panda_ign" : fs::path();
-  if (!shared || !fs::is_directory(folder)) GTEST_SKIP() << "no shared models";
+  const fs::path folder = shared_model("urdf/panda_ign");
+  if (folder.empty()) GTEST_SKIP() << "no shared models";
   LossReport loss;
   RobotDescription urdf = read_robot(folder / "urdf/panda.urdf", loss);
   const RobotDescription sdf = read_robot(folder / "panda/model.sdf", loss);
