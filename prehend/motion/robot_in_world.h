@@ -78,13 +78,13 @@ class RobotInWorld final : public FreeSpace {
                        const Eigen::Ref<const Eigen::VectorXd>& to, double step) const override;
   /// Whether the straight line in joint space is free, and between tested positions no ball reaches
   /// an obstacle that is given the whole margin (at least kBallSpare), or another of the robot's
-  /// balls by more than kBallSpare, so that shapes do not touch. By bisection: a piece is free when,
-  /// in its middle, balls that are larger by what they can move on half of the piece are (F.
-  /// Schwarzer, M. Saha, J.-C. Latombe, "Exact collision checking of robot paths", WAFR 2002): their
-  /// way at the speed that they have in the middle, and what they can be beside it by the chain's
-  /// lengths. Between the robot's own parts it is the way of one as seen from the other. Shapes of
-  /// another checker are larger by what their farthest point can move; the robot's own are tested
-  /// at the middles only, at steps of at most 0.05 rad or m.
+  /// balls by more than kBallSpare, so that shapes do not touch. By bisection: a piece is free
+  /// when, in its middle, balls that are larger by what they can move on half of the piece are (F.
+  /// Schwarzer, M. Saha, J.-C. Latombe, "Exact collision checking of robot paths", WAFR 2002):
+  /// their way at the speed that they have in the middle, and what they can be beside it by the
+  /// chain's lengths. Between the robot's own parts it is the way of one as seen from the other.
+  /// Shapes of another checker are larger by what their farthest point can move; the robot's own
+  /// are tested at the middles only, at steps of at most 0.05 rad or m.
   bool is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
                      const Eigen::Ref<const Eigen::VectorXd>& to) const override;
 
