@@ -145,10 +145,13 @@ int main(int argc, char** argv) {
   app.add_option("--planner", options.planners, "planners by name")->capture_default_str();
   app.add_option("--only", options.only, "these sets");
   app.add_option("--every", options.every, "every n-th problem")->check(CLI::PositiveNumber);
-  app.add_option("--balls", options.trial.ball_resolutions,
-                 "m, how finely balls cover the robot; the next where one leads to no path")
+  app.add_option(
+         "--balls", options.trial.ball_resolutions,
+         "m, how finely balls cover the robot, a fifth of it beyond meshes; the next where one "
+         "leads to no path")
       ->capture_default_str();
-  app.add_option("--resolution", options.trial.path.resolution, "rad or m, of the search")
+  app.add_option("--resolution", options.trial.path.resolution,
+                 "rad or m, of a search that does not sweep")
       ->capture_default_str();
   app.add_option("--step", options.trial.path.step, "rad or m, of a branch")->capture_default_str();
   app.add_option("--iterations", options.trial.path.iterations, "samples at most")

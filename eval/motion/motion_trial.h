@@ -18,16 +18,17 @@ struct MotionResult {
   bool solved = false;
   std::string reason;   // why not
   std::string invalid;  // where the path is not free by the oracle; empty: it is, or there is none
-  double set_up = 0;    // s: the obstacles made known
-  double time = 0;      // s: planning and shortening
+  double set_up = 0;    // s of this thread's processor time: robot and obstacles laid out
+  double time = 0;      // s of it: planning and shortening
   double length = 0;    // rad, in joint space
   int iterations = 0;
 };
 
 struct MotionTrialOptions {
   motion::PathOptions path;
-  std::vector<double> ball_resolutions{0.03};  // m; the next where one does not lead to a path
-  double check_step = 1.0 / 512;               // rad or m, of the oracle
+  /// m; the next where one does not lead to a path. Finer ones take longer to set up and to test.
+  std::vector<double> ball_resolutions{0.06, 0.03, 0.015};
+  double check_step = 1.0 / 512;  // rad or m, of the oracle
 };
 
 /// A robot's problems, one after the other.

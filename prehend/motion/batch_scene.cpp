@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -15,7 +16,8 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 
 constexpr double kRounding = 1e-6;  // m
-constexpr int kLargestGroup = 16;
+constexpr int kLargestGroup = 8;
+constexpr int kDraws = 50;
 
 std::array<float, 9> rows(const Eigen::Matrix3d& R) {
   std::array<float, 9> result{};
@@ -40,36 +42,63 @@ struct Placed {
   int index;
 };
 
-/// Splits balls at the middle of their longest extent until groups are small.
-void group(std::vector<Placed> balls, int joint, Part part, BatchScene& scene,
-           std::vector<int>& place, std::vector<int>& group_of) {
+/// A ball round balls: their middle, drawn towards the farthest of them again and again (M. Badoiu
+/// and K. L. Clarkson, "Smaller core-sets for balls", SODA 2003).
+BatchScene::Node bound_of(const std::vector<Placed>& balls) {
   Eigen::AlignedBox3d box;
   for (const Placed& ball : balls) box.extend(ball.p);
+  Vector3d center = box.center();
+  const auto farthest = [&]() -> const Placed& {
+    return *std::max_element(balls.begin(), balls.end(), [&](const Placed& a, const Placed& b) {
+      return (a.p - center).norm() + a.radius < (b.p - center).norm() + b.radius;
+    });
+  };
+  for (int k = 1; k <= kDraws && balls.size() > 1; ++k) {
+    center += (farthest().p - center) / (k + 1);
+  }
+  BatchScene::Node node;
+  node.ball = make_ball(center, (farthest().p - center).norm() + farthest().radius + kRounding);
+  for (const Placed& ball : balls) {
+    node.spread = std::max(node.spread, static_cast<float>((ball.p - center).norm() + kRounding));
+  }
+  return node;
+}
+
+/// Where balls of RobotSpheres stand in a scene.
+struct Places {
+  std::vector<int> tree, leaf;  // of each ball
+};
+
+/// Adds a node for balls and those under it: they are split at the middle of their longest extent
+/// until they are few.
+void add_nodes(std::vector<Placed> balls, BatchScene::Tree& tree, BatchScene& scene,
+               Places& places) {
+  const auto at = scene.nodes.size();
+  if (balls.size() > 1) scene.nodes.push_back(bound_of(balls));
   if (balls.size() > kLargestGroup) {
+    Eigen::AlignedBox3d box;
+    for (const Placed& ball : balls) box.extend(ball.p);
     Eigen::Index axis = 0;
     box.sizes().maxCoeff(&axis);
     std::sort(balls.begin(), balls.end(), [axis](const Placed& a, const Placed& b) {
       return a.p[axis] != b.p[axis] ? a.p[axis] < b.p[axis] : a.index < b.index;
     });
     const auto middle = balls.begin() + static_cast<std::ptrdiff_t>(balls.size() / 2);
-    group({balls.begin(), middle}, joint, part, scene, place, group_of);
-    group({middle, balls.end()}, joint, part, scene, place, group_of);
-    return;
+    add_nodes({balls.begin(), middle}, tree, scene, places);
+    add_nodes({middle, balls.end()}, tree, scene, places);
+  } else {
+    for (const Placed& ball : balls) {
+      const auto index = static_cast<std::size_t>(ball.index);
+      places.tree[index] = static_cast<int>(scene.trees.size());
+      places.leaf[index] = tree.leaves;
+      BatchScene::Node leaf;
+      leaf.ball = make_ball(ball.p, ball.radius);
+      leaf.next = static_cast<int>(scene.nodes.size()) + 1;
+      leaf.leaf = tree.leaves++;
+      scene.nodes.push_back(leaf);
+    }
   }
-  BatchScene::Group result;
-  result.joint = joint;
-  result.part = static_cast<int>(part);
-  result.first = static_cast<int>(scene.balls.size());
-  double radius = 0;
-  for (const Placed& ball : balls) {
-    radius = std::max(radius, (ball.p - box.center()).norm() + ball.radius);
-    place[static_cast<std::size_t>(ball.index)] = static_cast<int>(scene.balls.size());
-    group_of[static_cast<std::size_t>(ball.index)] = static_cast<int>(scene.groups.size());
-    scene.balls.push_back(make_ball(ball.p, ball.radius));
-  }
-  result.last = static_cast<int>(scene.balls.size());
-  result.bound = make_ball(box.center(), radius + kRounding);
-  scene.groups.push_back(result);
+  scene.nodes[at].next = static_cast<int>(scene.nodes.size());
 }
 
 /// A point that never moves, and how far from it a ball of each joint's frame can be, beside its
@@ -103,25 +132,94 @@ Reach reach_of(const robot::KinematicChain& chain) {
   return reach;
 }
 
-/// Lists what each group can come near to.
-void find_candidates(const Reach& reach, BatchScene& scene) {
-  for (BatchScene::Group& group : scene.groups) {
-    group.first_candidate = static_cast<int>(scene.candidates.size());
-    for (std::size_t i = 0; group.joint >= 0 && i < scene.obstacles.size(); ++i) {
-      const BatchScene::Obstacle& obstacle = scene.obstacles[i];
-      if (obstacle.kind == BatchScene::Obstacle::Kind::kPlane) continue;
-      const BatchScene::Ball& ball = obstacle.bound;
-      const float far =
-          ball.radius + group.bound.radius + obstacle.margin[static_cast<std::size_t>(group.part)];
-      const double arm = reach.length[static_cast<std::size_t>(group.joint)] +
-                         Vector3d(group.bound.x, group.bound.y, group.bound.z).norm();
+/// Lists what each tree can come near to.
+void find_candidates(const Reach& reach, const CollisionWorld& world, BatchScene& scene) {
+  for (BatchScene::Tree& tree : scene.trees) {
+    const BatchScene::Ball& root = scene.nodes[static_cast<std::size_t>(tree.first)].ball;
+    for (std::size_t i = 0; tree.joint >= 0 && i < scene.obstacles.size(); ++i) {
+      const float margin = scene.obstacles[i].margin[static_cast<std::size_t>(tree.part)];
+      if (margin == -std::numeric_limits<float>::infinity()) continue;
+      const double arm = reach.length[static_cast<std::size_t>(tree.joint)] +
+                         Vector3d(root.x, root.y, root.z).norm() + root.radius +
+                         std::max(0.0F, margin);
       // A millimetre for what single precision loses.
-      if (!((Vector3d(ball.x, ball.y, ball.z) - reach.anchor).norm() < arm + far + 1e-3)) continue;
-      scene.candidates.push_back({ball.x, ball.y, ball.z, far, static_cast<int>(i)});
+      const bool is_plane = scene.obstacles[i].kind == BatchScene::Obstacle::Kind::kPlane;
+      if (is_plane || world.obstacles()[i].bounds.exteriorDistance(reach.anchor) < arm + 1e-3) {
+        tree.obstacles.push_back(static_cast<int>(i));
+      }
     }
-    while (scene.candidates.size() % BatchScene::kCandidates != 0) scene.candidates.push_back({});
-    group.last_candidate = static_cast<int>(scene.candidates.size());
   }
+}
+
+/// Lists which trees, and which of their balls, must not touch each other.
+void add_pairs(const RobotSpheres& spheres, const Places& places, BatchScene& scene) {
+  // The tree of the joint that comes first is `a`.
+  const auto ordered = [&](const std::pair<int, int>& pair) {
+    auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
+    if (spheres.spheres[a].joint > spheres.spheres[b].joint) std::swap(a, b);
+    return std::pair(a, b);
+  };
+  const std::size_t trees = scene.trees.size();
+  const auto key_of = [&](std::size_t a, std::size_t b) {
+    return static_cast<std::size_t>(places.tree[a]) * trees +
+           static_cast<std::size_t>(places.tree[b]);
+  };
+  std::vector<std::size_t> counts(trees * trees, 0);
+  for (const auto& pair : spheres.self_pairs) {
+    const auto [a, b] = ordered(pair);
+    ++counts[key_of(a, b)];
+  }
+  std::vector<int> pair_of(trees * trees, -1);  // where some may touch
+  for (std::size_t key = 0; key < counts.size(); ++key) {
+    if (counts[key] == 0) continue;
+    BatchScene::TreePair pair{static_cast<int>(key / trees), static_cast<int>(key % trees), {}};
+    const auto all = static_cast<std::size_t>(scene.trees[key / trees].leaves) *
+                     static_cast<std::size_t>(scene.trees[key % trees].leaves);
+    if (counts[key] < all) {
+      pair.must_not.resize(all, false);
+      pair_of[key] = static_cast<int>(scene.tree_pairs.size());
+    }
+    scene.tree_pairs.push_back(std::move(pair));
+  }
+  for (const auto& one : spheres.self_pairs) {
+    const auto [a, b] = ordered(one);
+    const int at = pair_of[key_of(a, b)];
+    if (at < 0) continue;
+    BatchScene::TreePair& pair = scene.tree_pairs[static_cast<std::size_t>(at)];
+    pair.must_not[static_cast<std::size_t>(
+        places.leaf[a] * scene.trees[static_cast<std::size_t>(pair.b)].leaves + places.leaf[b])] =
+        true;
+  }
+}
+
+BatchScene::Obstacle make_obstacle(const CollisionWorld::Obstacle& from, double margin,
+                                   BatchScene& scene) {
+  using From = CollisionWorld::Obstacle::Kind;
+  using To = BatchScene::Obstacle::Kind;
+  BatchScene::Obstacle obstacle;
+  obstacle.kind = from.kind == From::kPlane    ? To::kPlane
+                  : from.kind == From::kBox    ? To::kBox
+                  : from.kind == From::kSphere ? To::kSphere
+                                               : To::kConvex;
+  if (from.kind != From::kPlane) {
+    obstacle.center = floats(from.bounds.center());
+    obstacle.half = floats(from.bounds.sizes() / 2 + Vector3d::Constant(kRounding));
+  }
+  obstacle.ball = make_ball(from.center, from.radius);
+  for (const Part part : {Part::kArm, Part::kHand, Part::kHeld}) {
+    obstacle.margin[static_cast<std::size_t>(part)] =
+        static_cast<float>(from.margin_for(part, margin));
+  }
+  obstacle.R = rows(from.X_OB.linear());
+  obstacle.t = floats(from.X_OB.translation());
+  obstacle.sides = floats(from.half);
+  obstacle.first = static_cast<int>(scene.faces.size());
+  for (const geometry::Plane& face : from.faces) {
+    const auto n = floats(face.normal);
+    scene.faces.push_back({n[0], n[1], n[2], static_cast<float>(face.offset)});
+  }
+  obstacle.last = static_cast<int>(scene.faces.size());
+  return obstacle;
 }
 
 }  // namespace
@@ -142,7 +240,7 @@ BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpher
     }
     scene.joints.push_back({rows(R), floats(t), joint.is_revolute});
   }
-  std::map<std::pair<int, int>, std::vector<Placed>> by_joint;
+  std::map<std::array<int, 3>, std::vector<Placed>> links;
   for (std::size_t i = 0; i < spheres.spheres.size(); ++i) {
     const RobotSphere& sphere = spheres.spheres[i];
     const Part part = part_of_ball(sphere, i >= own, chain.size());
@@ -150,61 +248,25 @@ BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpher
         sphere.joint < 0
             ? sphere.p_J
             : Vector3d(turned[static_cast<std::size_t>(sphere.joint)].conjugate() * sphere.p_J);
-    by_joint[{sphere.joint, static_cast<int>(part)}].push_back(
-        {p, sphere.radius, static_cast<int>(i)});
+    links[{sphere.joint, static_cast<int>(part), sphere.link}].push_back(
+        {p, sphere.radius + kRounding, static_cast<int>(i)});
   }
-  std::vector<int> place(spheres.spheres.size()), group_of(spheres.spheres.size());
-  for (auto& [key, balls] : by_joint) {
-    group(std::move(balls), key.first, static_cast<Part>(key.second), scene, place, group_of);
+  Places places{std::vector<int>(spheres.spheres.size()), std::vector<int>(spheres.spheres.size())};
+  // The last joint's first: it is in the way most often.
+  for (auto at = links.rbegin(); at != links.rend(); ++at) {
+    BatchScene::Tree tree;
+    tree.joint = at->first[0];
+    tree.part = at->first[1];
+    tree.first = static_cast<int>(scene.nodes.size());
+    add_nodes(std::move(at->second), tree, scene, places);
+    tree.last = static_cast<int>(scene.nodes.size());
+    scene.trees.push_back(std::move(tree));
   }
-  // Pairs of balls by their groups; within one in their order.
-  const auto groups = scene.groups.size();
-  const auto key_of = [&](const std::pair<int, int>& pair) {
-    return static_cast<std::size_t>(group_of[static_cast<std::size_t>(pair.first)]) * groups +
-           static_cast<std::size_t>(group_of[static_cast<std::size_t>(pair.second)]);
-  };
-  std::vector<int> starts(groups * groups + 1, 0);
-  for (const auto& pair : spheres.self_pairs) ++starts[key_of(pair) + 1];
-  for (std::size_t key = 0; key < groups * groups; ++key) {
-    starts[key + 1] += starts[key];
-    if (starts[key + 1] == starts[key]) continue;
-    scene.group_pairs.push_back({static_cast<int>(key / groups), static_cast<int>(key % groups),
-                                 starts[key], starts[key + 1]});
-  }
-  scene.ball_pairs.resize(spheres.self_pairs.size());
-  for (const auto& pair : spheres.self_pairs) {
-    const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
-    const double reach = spheres.spheres[a].radius + spheres.spheres[b].radius + kRounding;
-    scene.ball_pairs[static_cast<std::size_t>(starts[key_of(pair)]++)] = {
-        place[a], place[b], static_cast<float>(reach)};
-  }
+  add_pairs(spheres, places, scene);
   for (const CollisionWorld::Obstacle& from : world.obstacles()) {
-    using From = CollisionWorld::Obstacle::Kind;
-    using To = BatchScene::Obstacle::Kind;
-    BatchScene::Obstacle obstacle;
-    obstacle.kind = from.kind == From::kPlane    ? To::kPlane
-                    : from.kind == From::kBox    ? To::kBox
-                    : from.kind == From::kSphere ? To::kSphere
-                                                 : To::kConvex;
-    obstacle.bound = make_ball(from.center, from.radius);
-    for (const Part part : {Part::kArm, Part::kHand, Part::kHeld}) {
-      obstacle.margin[static_cast<std::size_t>(part)] =
-          static_cast<float>(from.margin_for(part, margin) + kRounding);
-    }
-    obstacle.R = rows(from.X_OB.linear());
-    obstacle.t = floats(from.X_OB.translation());
-    obstacle.half = floats(from.half);
-    obstacle.first = static_cast<int>(scene.faces.size());
-    for (const geometry::Plane& face : from.faces) {
-      const auto n = floats(face.normal);
-      scene.faces.push_back({n[0], n[1], n[2], static_cast<float>(face.offset)});
-    }
-    obstacle.last = static_cast<int>(scene.faces.size());
-    if (obstacle.kind == To::kPlane)
-      scene.planes.push_back(static_cast<int>(scene.obstacles.size()));
-    scene.obstacles.push_back(obstacle);
+    scene.obstacles.push_back(make_obstacle(from, margin, scene));
   }
-  find_candidates(reach_of(chain), scene);
+  find_candidates(reach_of(chain), world, scene);
   return scene;
 }
 

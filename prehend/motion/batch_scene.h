@@ -25,9 +25,6 @@ constexpr int kBatch = 8;
 /// Frames of joints are turned so that each joint's axis is z. Distances that count as touching are
 /// 1 um larger than the world's, more than single precision loses.
 struct BatchScene {
-  static constexpr int kCandidates = 4;     // tested in one go
-  static constexpr float kNowhere = 1e15f;  // m: its square is a number still
-
   struct Joint {
     std::array<float, 9> R{};  // to the frame before, by rows
     std::array<float, 3> t{};
@@ -36,50 +33,47 @@ struct BatchScene {
   struct Ball {
     float x = 0, y = 0, z = 0, radius = 0;
   };
-  /// An obstacle (not a plane) that a group's bound may reach, in any position. `far`: the sum of
-  /// radii and margin.
-  struct Candidate {
-    float x = kNowhere, y = 0, z = 0, far = 0;
-    int obstacle = -1;  // none: fills up
+  /// A ball of the robot, or one that holds all balls of the nodes after it and before `next`: what
+  /// is far from that is far from them.
+  struct Node {
+    Ball ball;
+    float spread = 0;  // m, of the centres of its balls from its own, at most
+    int next = 0;
+    int leaf = -1;  // a ball: how many there are before it in the tree; -1: others follow
   };
-  /// Balls [first, last) of one joint and part, and one that holds them all.
-  struct Group {
+  /// Nodes [first, last) of one link; the first holds all.
+  struct Tree {
     int joint = -1;  // -1: stands with the base, never tested against the world
     int part = 0;
     int first = 0, last = 0;
-    Ball bound;
-    int first_candidate = 0, last_candidate = 0;  // a multiple of kCandidates
+    int leaves = 0;
+    std::vector<int> obstacles;  // that it may reach in any position
   };
-  /// Pairs [first, last) of balls of two groups that must not touch each other.
-  struct GroupPair {
-    int a = 0, b = 0;
-    int first = 0, last = 0;
-  };
-  struct BallPair {
-    int a = 0, b = 0;
-    float reach = 0;  // sum of radii
+  /// Two trees whose balls must not touch each other.
+  struct TreePair {
+    int a = 0, b = 0;  // the joint of b is that of a or after it
+    /// Whether a ball of `a` (row) must not touch one of `b`; empty: none may.
+    std::vector<bool> must_not;
   };
   struct Obstacle {
     enum class Kind { kPlane, kBox, kSphere, kConvex };
     Kind kind = Kind::kSphere;
-    Ball bound;                     // not of planes
-    std::array<float, 3> margin{};  // for each Part
-    std::array<float, 9> R{};       // box: from the base frame, by rows
-    std::array<float, 3> t{}, half{};
-    int first = 0, last = 0;  // faces of a plane (one) or convex piece
+    Ball ball;                              // kSphere
+    std::array<float, 3> center{}, half{};  // of a box round all of it, along the base's axes
+    std::array<float, 3> margin{};          // for each Part
+    std::array<float, 9> R{};               // box: from the base frame, by rows
+    std::array<float, 3> t{}, sides{};      // box: and its half sides
+    int first = 0, last = 0;                // faces of a plane (one) or convex piece
   };
   struct Face {
     float x = 0, y = 0, z = 0, offset = 0;
   };
 
   std::vector<Joint> joints;
-  std::vector<Ball> balls;  // in the frame after their group's joint
-  std::vector<Group> groups;
-  std::vector<GroupPair> group_pairs;
-  std::vector<BallPair> ball_pairs;
-  std::vector<Candidate> candidates;
+  std::vector<Node> nodes;  // in the frame after their tree's joint
+  std::vector<Tree> trees;
+  std::vector<TreePair> tree_pairs;
   std::vector<Obstacle> obstacles;
-  std::vector<int> planes;  // of the obstacles
   std::vector<Face> faces;
 };
 

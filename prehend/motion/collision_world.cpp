@@ -33,6 +33,8 @@ void CollisionWorld::add_box(const std::string& name, const RigidTransform& X_BO
   obstacle.half = size / 2;
   obstacle.center = X_BO.translation();
   obstacle.radius = size.norm() / 2;
+  const Vector3d half_B = X_BO.linear().cwiseAbs() * obstacle.half;
+  obstacle.bounds = {obstacle.center - half_B, obstacle.center + half_B};
   obstacles_.push_back(std::move(obstacle));
 }
 
@@ -45,6 +47,7 @@ void CollisionWorld::add_sphere(const std::string& name, const Vector3d& center_
   obstacle.kind = Obstacle::Kind::kSphere;
   obstacle.center = center_B;
   obstacle.radius = radius;
+  obstacle.bounds = {center_B - Vector3d::Constant(radius), center_B + Vector3d::Constant(radius)};
   obstacles_.push_back(std::move(obstacle));
 }
 
@@ -55,6 +58,7 @@ void CollisionWorld::add_convex(const std::string& name, const geometry::Triangl
   obstacle.kind = Obstacle::Kind::kConvex;
   obstacle.center = convex.bounds.center();
   obstacle.radius = convex.radius;
+  obstacle.bounds = convex.bounds;
   obstacle.faces = std::move(convex.faces);
   obstacle.points = std::make_shared<const std::vector<Vector3d>>(std::move(convex.points));
   obstacles_.push_back(std::move(obstacle));
@@ -111,8 +115,11 @@ bool CollisionWorld::touches(const Vector3d& center_B, double radius, double mar
   double deepest = 0;
   for (const Obstacle& obstacle : obstacles_) {
     const double reach = radius + obstacle.margin_for(part, margin);
-    const double far = obstacle.radius + reach;
-    if (!(far > 0) || (center_B - obstacle.center).squaredNorm() > far * far) continue;
+    const double far = std::max(0.0, reach);
+    if (obstacle.kind != Obstacle::Kind::kPlane &&
+        obstacle.bounds.squaredExteriorDistance(center_B) > far * far) {
+      continue;
+    }
     const double depth = reach - distance(obstacle, center_B, reach - deepest);
     if (!(depth > deepest)) continue;
     if (!touched) return true;

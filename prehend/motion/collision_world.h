@@ -29,7 +29,8 @@ class CollisionWorld {
     Eigen::Vector3d half = Eigen::Vector3d::Zero();                        // box
     Eigen::Vector3d center = Eigen::Vector3d::Zero();                      // ball round all of it
     double radius = 0;
-    std::vector<geometry::Plane> faces;                          // outward; plane and convex
+    Eigen::AlignedBox3d bounds;          // round all of it, along the base's axes; not of a plane
+    std::vector<geometry::Plane> faces;  // outward; plane and convex
     std::shared_ptr<const std::vector<Eigen::Vector3d>> points;  // whose hull it is; convex
     /// For each Part; infinity: the robot's.
     std::array<double, 3> margin{kInfinity, kInfinity, kInfinity};
@@ -48,10 +49,10 @@ class CollisionWorld {
   /// @throws std::invalid_argument for a radius that is not positive.
   void add_sphere(const std::string& name, const Eigen::Vector3d& center_B, double radius);
   /// The convex hull of the mesh's vertices, as the predicted pieces of an object are. A ball
-  /// counts as touching when no face separates them: early, by 0.42 of its radius beside a right
-  /// edge, 0.74 beside a box's corner and more beside sharper ones, but never late. Flat
-  /// pieces get a thickness, see convex_faces(). @throws geometry::InputError for a mesh without
-  /// finite vertices.
+  /// counts as touching when neither a face nor a side of the box round the piece, along the base's
+  /// axes, separates them: early, by 0.42 of its radius beside a right edge, 0.74 beside a box's
+  /// corner and more beside sharper ones, but never late. Flat pieces get a thickness, see
+  /// convex_faces(). @throws geometry::InputError for a mesh without finite vertices.
   void add_convex(const std::string& name, const geometry::TriangleMesh& mesh_B);
   /// False when there is nothing of that name; all of that name goes.
   bool remove(const std::string& name);

@@ -28,11 +28,11 @@ class FreeSpace {
   /// touching may count as touching, and nothing that touches as free.
   virtual std::uint32_t not_free(const robot::Positions* q, int count) const = 0;
   /// Whether the straight line in joint space is free at steps of at most `step` [rad or m] of any
-  /// joint, both ends included. The quick test of a search.
+  /// joint, both ends included.
   virtual bool is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                                const Eigen::Ref<const Eigen::VectorXd>& to, double step) const = 0;
-  /// Whether the straight line is free between tested positions as well, see RobotInWorld. The slow
-  /// test, which each piece of a path must pass.
+  /// Whether the straight line is free between tested positions as well, see RobotInWorld: the test
+  /// that each piece of a path must pass. Of RobotInWorld's balls it is as quick as the other one.
   virtual bool is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
                              const Eigen::Ref<const Eigen::VectorXd>& to) const = 0;
 

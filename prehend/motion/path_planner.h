@@ -11,7 +11,7 @@ namespace prehend::motion {
 
 /// What any planner is told.
 struct PathOptions {
-  double step = 0.4;         // rad or m: length of a branch in joint space, > 0
+  double step = 0.8;         // rad or m: length of a branch in joint space, > 0
   double resolution = 0.05;  // rad or m, of any joint, between positions tested in the search, > 0
   int iterations = 20000;    // random samples at most, >= 1
   double budget = 0;         // s of wall time; 0: iterations alone count

@@ -15,7 +15,7 @@ using robot::Positions;
 
 constexpr int kRefinements = 4;  // of the resolution, by halves
 constexpr int kCornerHalvings = 5;
-constexpr double kLeastGain = 0.01;  // of the length, by a round of corners
+constexpr double kLeastGain = 0.03;  // of the length, by a round of corners
 constexpr double kSame = 1e-9;       // rad or m
 
 void check(const PathOptions& options) {
@@ -91,8 +91,7 @@ class Shortener {
   bool is_shortcut(const Positions& from, const Positions& to) {
     if (tries_ >= options_.shortcuts) return false;
     ++tries_;
-    // Coarsely first: many are not free.
-    return space_.is_free_between(from, to, options_.resolution) && space_.is_swept_free(from, to);
+    return space_.is_swept_free(from, to);
   }
 
   const FreeSpace& space_;
@@ -162,8 +161,8 @@ JointPath plan_path(const PathPlanner& planner, const FreeSpace& space,
     return std::move(path);
   };
   if (goals.empty()) return failed("there are no goals");
-  if (const std::string problem = space.problem(start); !problem.empty()) {
-    return failed("at the start, " + problem);
+  if (const FreeGoals at_start = free_goals(space, {start}); at_start.goals.empty()) {
+    return failed("at the start, " + at_start.problem);
   }
   const FreeGoals free = free_goals(space, goals);
   if (free.goals.empty()) {

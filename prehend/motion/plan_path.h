@@ -7,7 +7,7 @@
 namespace prehend::motion {
 
 /// A free path by `planner`, then shortened: waypoints that a straight line can skip are dropped,
-/// corners cut until a round gains less than 1 %. Each piece of the path is, or is part of, a line
+/// corners cut until a round gains less than 3 %. Each piece of the path is, or is part of, a line
 /// that is FreeSpace::is_swept_free(): where one is not, the planner is asked again at half the
 /// resolution, at most four times. Reasons: the start or all goals are not free (with what they
 /// touch), no goals, or the planner's. Same input and seed, same path, as far as the planner's

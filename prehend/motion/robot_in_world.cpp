@@ -8,8 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "prehend/motion/batch_kernel.h"
-
 namespace prehend::motion {
 
 using Eigen::Vector3d;
@@ -17,8 +15,9 @@ using geometry::RigidTransform;
 
 namespace {
 
-constexpr double kLeastSweep = 1e-3;  // m
 constexpr double kOwnStep = 0.05;     // rad or m
+constexpr double kFirstPiece = 0.15;  // rad or m, of any joint
+constexpr float kRoundingUp = 2e-6F;  // m, of bounds in single precision
 
 /// Middles of the pieces that a sweep begins with, as shares of the line; all are of one size.
 std::vector<double> first_middles(const Eigen::VectorXd& way) {
@@ -225,37 +224,74 @@ bool RobotInWorld::is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
                                  const Eigen::Ref<const Eigen::VectorXd>& to) const {
   if (!chain_.within_limits(from) || !chain_.within_limits(to)) return false;
   if (shapes_) return are_shapes_swept_free(from, to);
-  const Eigen::VectorXd way = (to - from).cwiseAbs();
-  std::vector<double> middles = first_middles(way);
-  double half = 0.5 / static_cast<double>(middles.size());
-  const Eigen::VectorXd sweep = levers_ * way;  // m, of the balls of each joint on the whole line
-  const double allowed = std::max(margin_, kLeastSweep);
   std::array<float, robot::kMostChainJoints * kBatch> q;
-  std::array<float, robot::kMostChainJoints> swell{};
-  for (; !middles.empty(); half /= 2) {
-    bool swells = false;
-    for (int k = 0; k < chain_.size(); ++k) {
-      const double more = std::max(0.0, sweep[k] * half - allowed);
-      swell[static_cast<std::size_t>(k)] = static_cast<float>(more * (1 + 1e-6));
-      swells = swells || more > 0;
-    }
-    std::vector<double> unknown;
+  std::array<double, kBatch> shares;
+  // Quickly first: many are not free.
+  for (std::size_t lane = 0; lane < kBatch; ++lane) {
+    shares[lane] = static_cast<double>(lane) / (kBatch - 1);
+  }
+  fill_lanes(from, to, shares.data(), kBatch, q.data());
+  if (touching_lanes(batch_, q.data(), true) != 0) return false;
+  const robot::Positions way = to - from;
+  const double longest = way.size() > 0 ? way.cwiseAbs().maxCoeff() : 0;
+  const auto batches = static_cast<std::size_t>(std::ceil(longest / (kFirstPiece * kBatch)));
+  // Middles of pieces of one size as shares of the line, and of those of half the size that are not
+  // known to be free.
+  thread_local std::vector<double> middles, unknown;
+  middles.resize(batches * kBatch);
+  double half = 0.5 / static_cast<double>(middles.size());
+  for (std::size_t i = 0; i < middles.size(); ++i) {
+    // Each batch is spread over the whole line.
+    const std::size_t piece = i % kBatch * batches + i / kBatch;
+    middles[i] = (2 * static_cast<double>(piece) + 1) * half;
+  }
+  while (!middles.empty()) {
+    const SweepBounds bounds = sweep_bounds(half * way);
+    unknown.clear();
     for (std::size_t first = 0; first < middles.size(); first += kBatch) {
       const std::size_t count = std::min<std::size_t>(kBatch, middles.size() - first);
       fill_lanes(from, to, middles.data() + first, count, q.data());
-      std::uint32_t mask = touching_lanes(batch_, q.data(), !swells, swell.data());
-      if (mask != 0 && !swells) return false;
+      const SweptLanes lanes = swept_lanes(batch_, q.data(), bounds);
+      if (lanes.touch != 0) return false;
       for (std::size_t lane = 0; lane < count; ++lane) {
-        if (!((mask >> lane) & 1u)) continue;
-        unknown.push_back(middles[first + lane] - half / 2);
-        unknown.push_back(middles[first + lane] + half / 2);
+        if (!((lanes.may_touch >> lane) & 1u)) continue;
+        unknown.push_back(middles[first + lane]);
       }
     }
-    middles = std::move(unknown);
+    // Few are cut into more parts: a batch costs as much with empty lanes.
+    const std::size_t parts =
+        std::clamp<std::size_t>(kBatch / std::max<std::size_t>(1, unknown.size()), 2, 4);
+    middles.clear();
+    half /= static_cast<double>(parts);
+    for (const double middle : unknown) {
+      for (std::size_t i = 0; i < parts; ++i) {
+        middles.push_back(middle +
+                          (2 * static_cast<double>(i) + 1 - static_cast<double>(parts)) * half);
+      }
+    }
   }
-  const std::array<double, 2> ends{0, 1};
-  fill_lanes(from, to, ends.data(), ends.size(), q.data());
-  return touching_lanes(batch_, q.data(), true) == 0;
+  return true;
+}
+
+SweepBounds RobotInWorld::sweep_bounds(const robot::Positions& way) const {
+  SweepBounds bounds;
+  const robot::Positions ways = way.cwiseAbs();
+  const double allowed = std::max(margin_, kBallSpare);
+  for (int k = 0; k < chain_.size(); ++k) {
+    const auto column = static_cast<std::size_t>(k + 1);
+    bounds.way[static_cast<std::size_t>(k)] = static_cast<float>(way[k]);
+    // Half of the second derivative, from the frame before joint j: joint j, and each after it,
+    // turn and stretch what is after the later one of the two.
+    double bow = 0, lever_ways = 0;
+    for (int j = k; j >= 0; --j) {
+      bow += ways[j] * (levers_(k, j) * ways[j] / 2 + lever_ways);
+      lever_ways += levers_(k, j) * ways[j];
+      bounds.bow[static_cast<std::size_t>(j) * (SweepBounds::kMost + 1) + column] =
+          static_cast<float>(bow - kBallSpare) + kRoundingUp;
+    }
+    bounds.bow_in_world[column] = static_cast<float>(bow - allowed) + kRoundingUp;
+  }
+  return bounds;
 }
 
 bool RobotInWorld::do_shapes_touch(const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -299,7 +335,7 @@ bool RobotInWorld::are_shapes_swept_free(const Eigen::Ref<const Eigen::VectorXd>
                                          const Eigen::Ref<const Eigen::VectorXd>& to) const {
   const Eigen::VectorXd way = (to - from).cwiseAbs();
   const Eigen::VectorXd sweep = levers_ * way;
-  const double allowed = std::max(margin_, kLeastSweep);
+  const double allowed = std::max(margin_, kBallSpare);
   std::vector<double> middles = first_middles(way);
   for (double half = 0.5 / static_cast<double>(middles.size()); !middles.empty(); half /= 2) {
     const Eigen::VectorXd swell = (sweep.array() * half - allowed).max(0);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/motion/batch_kernel.h"
 #include "prehend/motion/batch_scene.h"
 #include "prehend/motion/collision_world.h"
 #include "prehend/motion/free_space.h"
@@ -75,12 +76,15 @@ class RobotInWorld final : public FreeSpace {
   /// over the whole line, which finds collisions early.
   bool is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                        const Eigen::Ref<const Eigen::VectorXd>& to, double step) const override;
-  /// Whether the straight line in joint space is free, and no ball reaches an obstacle that is
-  /// given the whole margin (at least 1 mm) between tested positions either. By bisection: a piece
-  /// is free when, in its middle, balls that are larger by what they can move on half of the piece
-  /// are (F. Schwarzer, M. Saha, J.-C. Latombe, "Exact collision checking of robot paths", WAFR
-  /// 2002). Shapes of another checker likewise: larger by what their farthest point can move. The
-  /// robot's own parts are tested at the middles only, at steps of at most 0.05 rad or m.
+  /// Whether the straight line in joint space is free, and between tested positions no ball reaches
+  /// an obstacle that is given the whole margin (at least kBallSpare), or another of the robot's
+  /// balls by more than kBallSpare, so that shapes do not touch. By bisection: a piece is free
+  /// when, in its middle, balls that are larger by what they can move on half of the piece are (F.
+  /// Schwarzer, M. Saha, J.-C. Latombe, "Exact collision checking of robot paths", WAFR 2002):
+  /// their way at the speed that they have in the middle, and what they can be beside it by the
+  /// chain's lengths. Between the robot's own parts it is the way of one as seen from the other.
+  /// Shapes of another checker are larger by what their farthest point can move; the robot's own
+  /// are tested at the middles only, at steps of at most 0.05 rad or m.
   bool is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
                      const Eigen::Ref<const Eigen::VectorXd>& to) const override;
 
@@ -106,6 +110,7 @@ class RobotInWorld final : public FreeSpace {
   void let_go();
   void compile();
   void find_levers();
+  SweepBounds sweep_bounds(const robot::Positions& way) const;
 
   robot::KinematicChain chain_;
   RobotSpheres spheres_;

@@ -21,7 +21,10 @@ int pieces(double length, double resolution) {
 
 /// Balls that hold a shape, in its own frame.
 std::vector<Ball> balls_of(const CollisionShape& shape, double resolution) {
-  if (shape.kind == CollisionShape::Kind::kMesh) return cover_solid(*shape.solid, resolution);
+  if (shape.kind == CollisionShape::Kind::kMesh) {
+    // Where links fold onto each other there are a few centimetres between them.
+    return cover_solid(*shape.solid, resolution / 5);
+  }
   std::vector<Ball> balls;
   if (shape.kind == CollisionShape::Kind::kSphere) return {{Vector3d::Zero(), shape.radius}};
   if (shape.kind == CollisionShape::Kind::kCylinder) {
@@ -75,14 +78,12 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
   const robot::KinematicChain chain(model, base, tip);
   const auto all = link_places(model, chain, model.link_index(base));
   RobotSpheres result;
-  std::vector<std::size_t> link_of;  // of each ball
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     if (!all[i]) continue;
     for (const CollisionShape& shape : model.links[i].shapes) {
       for (const Ball& ball : balls_of(shape, resolution)) {
-        result.spheres.push_back(
-            {all[i]->joint, all[i]->X_JL * (shape.X_LS * ball.center), ball.radius});
-        link_of.push_back(i);
+        result.spheres.push_back({all[i]->joint, all[i]->X_JL * (shape.X_LS * ball.center),
+                                  ball.radius + kBallSpare, static_cast<int>(i)});
       }
     }
   }
@@ -91,16 +92,15 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
   const auto gap = [&](std::size_t a, std::size_t b) {
     return (at[a] - at[b]).norm() - result.spheres[a].radius - result.spheres[b].radius;
   };
-  std::set<std::pair<std::size_t, std::size_t>> allowed;  // links
+  std::set<std::pair<int, int>> allowed;  // links
   for (const auto& [first, second] : may_touch ? *may_touch : LinkPairs()) {
-    const auto one = static_cast<std::size_t>(model.link_index(first)),
-               other = static_cast<std::size_t>(model.link_index(second));
+    const int one = model.link_index(first), other = model.link_index(second);
     allowed.insert({std::min(one, other), std::max(one, other)});
   }
   const auto may = [&](std::size_t a, std::size_t b) {  // a < b, and so are their links
     const int apart = std::abs(result.spheres[a].joint - result.spheres[b].joint);
     if (!may_touch) return apart < 2;  // neighbours are made to touch
-    return apart == 0 || allowed.contains({link_of[a], link_of[b]});
+    return apart == 0 || allowed.contains({result.spheres[a].link, result.spheres[b].link});
   };
   for (std::size_t a = 0; a < at.size(); ++a) {
     for (std::size_t b = a + 1; b < at.size(); ++b) {

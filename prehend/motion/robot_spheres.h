@@ -13,7 +13,12 @@ struct RobotSphere {
   int joint = -1;                                 // of the chain; -1: stands with the base
   Eigen::Vector3d p_J = Eigen::Vector3d::Zero();  // m, in the frame after that joint
   double radius = 0;                              // m
+  int link = -1;                                  // of the model; -1: of none, as what is held
 };
+
+/// Every point of a shape is at least so deep in a ball [m]: by so much a ball may be in something
+/// while the shape is not.
+constexpr double kBallSpare = 1e-3;
 
 using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 
@@ -32,8 +37,8 @@ struct RobotSpheres {
 /// Covers the shapes of all links that the chain carries (branches beside it included, their joints
 /// at 0 or the middle of their limits) with balls: boxes, cylinders and spheres about `resolution`
 /// [m] apart, or as far as the shape is thick, meshes by cover_solid(). Every point of a shape is
-/// in a ball; a ball reaches beyond a mesh by at most one resolution, beyond another shape by at
-/// most 1.8 resolutions or half of its smallest side.
+/// kBallSpare deep in a ball; beside that a ball reaches beyond a mesh by at most a fifth of
+/// `resolution`, beyond another shape by at most 1.8 resolutions or half of its smallest side.
 /// @param may_touch pairs of links that may touch each other, as an SRDF names them. All others
 /// that
 ///     some joint moves against each other must not, but for balls that overlap in the middle of

@@ -27,12 +27,15 @@ constexpr double kLargestJump = 0.3;   // rad or m, of a joint on a straight ste
 constexpr double kLargestMiss = 1e-4;  // m and rad
 constexpr double kTurnStep = 0.05;     // rad
 constexpr int kProjectionSteps = 10;
+constexpr double kDomain = 5;  // steps
 
 /// A tree of positions that are joined by free lines.
 struct Tree {
   std::vector<Positions> nodes;
   std::vector<int> parents;
-  std::vector<float> blocks;  // as nearest_point() takes them
+  std::vector<bool> is_stopped;  // whether something was in the way from there
+  std::vector<float> blocks;     // as nearest_point() takes them
+  std::size_t roots = 0;
 
   int add(const Positions& q, int parent) {
     const auto joints = static_cast<std::size_t>(q.size());
@@ -45,6 +48,8 @@ struct Tree {
     }
     nodes.push_back(q);
     parents.push_back(parent);
+    is_stopped.push_back(false);
+    roots += parent < 0 ? 1 : 0;
     return static_cast<int>(nodes.size()) - 1;
   }
   int nearest(const Positions& q) const {
@@ -73,10 +78,29 @@ class Search {
   Search(const FreeSpace& space, const PathOptions& options)
       : space_(space), options_(options), random_(options.seed) {}
 
-  /// Grows from the node nearest to `target` to it, step by step ("connect"); the last node, -1
-  /// when there was no step at all. `reached`: it is the target.
-  int grow(Tree& tree, const Positions& target, int steps, bool& reached) {
-    int at = tree.nearest(target);
+  /// One step from the nearest node towards a random position; the new node, -1 when there is none.
+  /// A node from which something was in the way does not go towards what is far: the way there is
+  /// seldom free.
+  int grow(Tree& tree) {
+    const Positions target = sample();
+    const auto at = static_cast<std::size_t>(tree.nearest(target));
+    if (tree.is_stopped[at] && (target - tree.nodes[at]).norm() > kDomain * options_.step) {
+      return -1;
+    }
+    bool reached = false;
+    const int node = grow(tree, static_cast<int>(at), target, 1, reached);
+    if (node < 0) tree.is_stopped[at] = true;
+    return node;
+  }
+
+  /// Grows from the node nearest to `target` to it, step by step; the last node, -1 when there was
+  /// no step at all. `reached`: it is the target.
+  int connect(Tree& tree, const Positions& target, bool& reached) {
+    return grow(tree, tree.nearest(target), target, std::numeric_limits<int>::max(), reached);
+  }
+
+ private:
+  int grow(Tree& tree, int at, const Positions& target, int steps, bool& reached) {
     int last = -1;
     reached = false;
     for (int step = 0; step < steps; ++step) {
@@ -89,7 +113,7 @@ class Search {
       reached = distance <= options_.step;
       const Positions next =
           reached ? target : Positions(from + (options_.step / distance) * (target - from));
-      if (!space_.is_free_between(from, next, options_.resolution)) {
+      if (!space_.is_swept_free(from, next)) {
         reached = false;
         return last;
       }
@@ -109,8 +133,6 @@ class Search {
     }
     return q;
   }
-
- private:
   double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
   const FreeSpace& space_;
@@ -141,7 +163,7 @@ JointPath RrtConnect::plan(const FreeSpace& space, const Eigen::Ref<const Eigen:
   };
   const Positions& nearest_goal =
       from_goals.nodes[static_cast<std::size_t>(from_goals.nearest(first))];
-  if (space.is_free_between(first, nearest_goal, options.resolution)) {
+  if (space.is_swept_free(first, nearest_goal)) {
     return finish({first, nearest_goal}, nearest_goal);
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -154,10 +176,10 @@ JointPath RrtConnect::plan(const FreeSpace& space, const Eigen::Ref<const Eigen:
       break;
     }
     bool reached = false;
-    const int node = tree_search.grow(*grown, tree_search.sample(), 1, reached);
+    const int node = tree_search.grow(*grown);
     if (node >= 0) {
       const Positions target = grown->nodes[static_cast<std::size_t>(node)];
-      const int met = tree_search.grow(*other, target, std::numeric_limits<int>::max(), reached);
+      const int met = tree_search.connect(*other, target, reached);
       if (reached) {
         std::vector<Positions> way = grown->way_from_root(node);
         std::vector<Positions> rest = other->way_from_root(met);
@@ -169,7 +191,10 @@ JointPath RrtConnect::plan(const FreeSpace& space, const Eigen::Ref<const Eigen:
         return finish(std::move(way), goal);
       }
     }
-    std::swap(grown, other);
+    // The one that has grown less is next.
+    if (grown->nodes.size() - grown->roots > other->nodes.size() - other->roots) {
+      std::swap(grown, other);
+    }
   }
   char text[160];
   std::snprintf(text, sizeof text, "no path was found with %d samples (%zu and %zu positions)",

@@ -10,8 +10,10 @@ namespace prehend::motion {
 
 /// RRT-Connect (J. J. Kuffner and S. M. LaValle, "RRT-Connect: An efficient approach to
 /// single-query path planning", ICRA 2000) with one tree from the start and one from all goals. A
-/// straight line to the nearest goal is tried first. Same input and seed, same path, unless the
-/// budget ends the search.
+/// straight line to the nearest goal is tried first. The tree that has grown less grows next, and
+/// nodes at which something was in the way only towards samples that are near (after A. Yershova,
+/// L. Jaillet, T. Simeon, S. M. LaValle, "Dynamic-domain RRTs", ICRA 2005). Every branch is swept
+/// free. Same input and seed, same path, unless the budget ends the search.
 class RrtConnect final : public PathPlanner {
  public:
   std::string name() const override { return "rrt_connect"; }

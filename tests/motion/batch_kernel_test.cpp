@@ -190,5 +190,52 @@ TEST(IsFreeBetween, TestsEveryStep) {
   }
 }
 
+/// The same robot with balls that are larger or smaller.
+RobotInWorld with_balls(const RobotInWorld& robot, double larger) {
+  RobotSpheres spheres = robot.spheres();
+  for (RobotSphere& ball : spheres.spheres) ball.radius = std::max(1e-6, ball.radius + larger);
+  return {robot.chain(), spheres, robot.world(), 0};
+}
+
+TEST(IsSweptFree, IsWhatDenseStepsSay) {
+  // Thin rods that steps jump over, and a wrist that folds onto the arm.
+  const PickScene scene("pa10", {0.6, 0.2, 0});
+  const RobotSpheres spheres = make_robot_spheres(scene.model, "base_link", "grip", 0.05);
+  CollisionWorld world = scene.world;
+  for (int i = 0; i < 12; ++i) {
+    world.add_box("rod", at(0.7 * std::cos(i), 0.7 * std::sin(i), 0.8), {0.004, 0.004, 1.6});
+    world.add_sphere("ball", {0.9 * std::cos(i + 0.5), 0.9 * std::sin(i + 0.5), 0.4}, 0.01);
+  }
+  const RobotInWorld robot(scene.chain, spheres, world, 0);
+  // Between tested positions balls may touch by their spare, and what is refused touches, at a
+  // position that is at most half a millimetre from one that is tested here.
+  const RobotInWorld smaller = with_balls(robot, -kBallSpare), larger = with_balls(robot, 1e-3);
+  const auto touches = [](const RobotInWorld& one, const Positions& from, const Positions& to) {
+    for (int i = 0; i <= 1000; ++i) {
+      if (!one.is_free(from + i / 1000.0 * (to - from))) return true;
+    }
+    return false;
+  };
+  std::mt19937_64 random(6);
+  int swept = 0, refused = 0, jumped = 0;
+  while (swept + refused < 300) {
+    const Positions from = robot::random_positions(scene.chain, random);
+    Positions to = from;
+    for (int j = 0; j < to.size(); ++j) to[j] += 0.5 * (robot::uniform(random) - 0.5);
+    if (!robot.is_free(from) || !robot.is_free(to)) continue;
+    if (robot.is_swept_free(from, to)) {
+      ++swept;
+      EXPECT_FALSE(touches(smaller, from, to));
+    } else {
+      ++refused;
+      EXPECT_TRUE(touches(larger, from, to));
+      jumped += robot.is_free_between(from, to, 0.1);
+    }
+  }
+  EXPECT_GT(swept, 50);
+  EXPECT_GT(refused, 20);
+  EXPECT_GT(jumped, 2);  // else the test shows nothing
+}
+
 }  // namespace
 }  // namespace prehend::motion

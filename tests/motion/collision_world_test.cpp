@@ -55,7 +55,7 @@ TEST(RobotSpheres, HoldEveryShape) {
         const Vector3d p_B = poses[static_cast<std::size_t>(part.joint)] * (part.X_JS * p);
         bool held = false;
         for (std::size_t i = 0; i < centers.size() && !held; ++i) {
-          held = (centers[i] - p_B).norm() <= spheres.spheres[i].radius + 1e-9;
+          held = (centers[i] - p_B).norm() <= spheres.spheres[i].radius - kBallSpare + 1e-9;
         }
         ASSERT_TRUE(held) << resolution;
       }

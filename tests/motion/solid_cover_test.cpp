@@ -66,6 +66,10 @@ TEST(SolidCover, HoldsTheWholeSolidAndLittleElse) {
   }
 }
 
+TEST(SolidCover, TakesFewBallsForWhatIsThick) {
+  EXPECT_LE(cover_solid(geometry::make_sphere(0.12, 32), 0.02).size(), 2u);
+}
+
 TEST(SolidCover, RefusesWhatCannotBe) {
   const TriangleMesh box = geometry::make_box({1, 1, 1});
   EXPECT_THROW(cover_solid(box, 0), std::invalid_argument);
