@@ -191,7 +191,8 @@ TEST_F(HandEye, FifteenPosesThatTheArmDrivesToGiveOneMillimetre) {
     for (const auto& solver : fit.solvers) {
       ASSERT_TRUE(solver.unknowns) << solver.method;
       near += (solver.unknowns->X_PC.translation() - expected.X_PC.translation()).norm() < 5e-3;
-      EXPECT_GE(solver.rms, 0.99 * fit.rms) << solver.method;
+      // The fit lets the arm be a little off, so that this is not quite what it makes least.
+      EXPECT_GE(solver.rms, 0.9 * fit.rms) << solver.method;
     }
     EXPECT_GE(near, 4);
     const std::string name = mount == CameraMount::kHand ? "hand" : "world";

@@ -155,6 +155,8 @@ const std::vector<Other> kOthers{
     {"objects.2.x", "-0.12"},
     {"objects.2.y", "0.02"},
     {"objects.2.yaw", "0.1"},
+    {"objects.2.position", "[-0.1, 0.02, 0.01]"},
+    {"objects.2.orientation", "[0.8, 0.6, 0, 0]"},
     {"objects.2.texture.pattern", "stripes"},
     {"objects.2.texture.color", "[1, 0, 0]"},
     {"objects.2.texture.second_color", "[1, 0, 0]"},
@@ -201,6 +203,12 @@ class RobotScene : public ::testing::Test {
     // A plug-in does not know what foam does.
     if (key == "tactile.sensor" || key == "tactile.parameters") {
       top["tactile"] = YAML::Load("{sensor: dead_rows}");
+    }
+    // An object stands somewhere or has a pose.
+    if (key == "objects.2.position" || key == "objects.2.orientation") {
+      YAML::Node object = top["objects"][2];
+      for (const char* upright : {"x", "y", "yaw"}) object.remove(upright);
+      object["position"] = YAML::Load("[-0.1, 0, 0]");
     }
     // An ideal pad does not age.
     if (key == "tactile.realistic") top["tactile"].remove("load_cycles");
