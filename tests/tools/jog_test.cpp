@@ -66,8 +66,9 @@ TEST_F(Jog, MovesWhileAKeyIsHeldAndStandsWhenItCeases) {
   terminal.type("z");
   EXPECT_TRUE(terminal.shows("CARTESIAN in the base: x y [z] roll pitch yaw"));
   const double shoulder = robot().position("arm_axis_2");
-  ASSERT_TRUE(hold(terminal, "+",
-                   [&] { return std::abs(robot().position("arm_axis_2") - shoulder) > 0.02; }));
+  ASSERT_TRUE(hold(terminal, "+", [&] {
+    return std::abs(robot().position("arm_axis_2") - shoulder) > 0.02;
+  })) << terminal.shown();
   ASSERT_TRUE(robot().stands());
   // A joint of the hand, the last one.
   terminal.type("mm");
