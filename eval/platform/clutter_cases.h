@@ -12,7 +12,7 @@ namespace prehend::eval {
 
 /// The bodies of `sets` that stand alone, as they rest: no larger than 0.2 m, and narrow enough for
 /// jaws that open by `widest` [m], across one horizontal direction. Masses as
-/// simulation::read_clutter_solids().
+/// simulation::mass_of_volume() says.
 /// @throws geometry::InputError when no set will do.
 std::vector<simulation::ClutterSolid> clutter_solids(const std::vector<DataSet>& sets,
                                                      double widest);

@@ -11,6 +11,7 @@
 #include "eval/grasp/resting_pose.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
+#include "prehend/simulation/clutter_scene.h"
 #include "prehend/simulation/scene.h"
 
 namespace prehend::eval {
@@ -18,12 +19,10 @@ namespace {
 
 using geometry::TriangleMesh;
 
-constexpr double kLargest = 0.3;                     // m
-constexpr double kGap = 0.05;                        // m, between the circles round two bodies
-constexpr double kReachX = 0.12;                     // m, of the bodies' middles from the table's
-constexpr double kReachY = 0.2;                      // m
-constexpr double kDensity = 400;                     // kg/m^3: things are hollow or light
-constexpr double kLightest = 0.03, kHeaviest = 0.8;  // kg
+constexpr double kLargest = 0.3;  // m
+constexpr double kGap = 0.05;     // m, between the circles round two bodies
+constexpr double kReachX = 0.12;  // m, of the bodies' middles from the table's
+constexpr double kReachY = 0.2;   // m
 constexpr int kMostBodies = 4;
 constexpr int kTries = 200;  // of a place for a body
 
@@ -37,8 +36,7 @@ double radius_of(const PlacedBody& body) {
 PlacedBody resting_body(const DataSet& set) {
   PlacedBody body;
   body.name = set.name;
-  const double volume = geometry::mass_properties(*set.mesh_B).volume;
-  body.mass = std::clamp(kDensity * volume, kLightest, kHeaviest);
+  body.mass = simulation::mass_of_volume(geometry::mass_properties(*set.mesh_B).volume);
   auto mesh = std::make_shared<TriangleMesh>(geometry::transformed(
       *set.mesh_B, resting_pose(*set.mesh_B, geometry::RigidTransform::Identity(), body.mass)));
   const Eigen::AlignedBox3d box = geometry::bounds(*mesh);

@@ -23,11 +23,9 @@ using geometry::InputError;
 using geometry::TriangleMesh;
 namespace fs = std::filesystem;
 
-constexpr double kDensity = 400;                     // kg/m^3
-constexpr double kLightest = 0.03, kHeaviest = 0.8;  // kg
-constexpr double kLargest = 1;                       // m
-constexpr double kTouching = 0.0015;                 // m
-constexpr double kFacesUp = 0.3;                     // z of a unit normal
+constexpr double kLargest = 1;        // m
+constexpr double kTouching = 0.0015;  // m
+constexpr double kFacesUp = 0.3;      // z of a unit normal
 constexpr double kDegree = std::numbers::pi / 180;
 
 bool is_mesh(const fs::path& file) {
@@ -51,7 +49,7 @@ ClutterSolid read_solid(const fs::path& file, double scale) {
   }
   ClutterSolid solid;
   solid.name = file.stem().string();
-  solid.mass = std::clamp(kDensity * volume, kLightest, kHeaviest);
+  solid.mass = mass_of_volume(volume);
   solid.mesh_B = std::make_shared<const TriangleMesh>(std::move(mesh));
   return solid;
 }
@@ -109,6 +107,8 @@ std::vector<std::string> names_of(const std::vector<std::size_t>& indices,
 }
 
 }  // namespace
+
+double mass_of_volume(double volume) { return std::clamp(400 * volume, 0.03, 0.8); }
 
 std::vector<ClutterSolid> read_clutter_solids(const fs::path& folder, double scale) {
   std::error_code error;

@@ -8,9 +8,13 @@
 
 namespace prehend::simulation {
 
+/// kg, of a thing of that volume [m^3]: 400 kg/m^3, as hollow and light things are, but 30 g to 0.8
+/// kg.
+double mass_of_volume(double volume);
+
 /// The closed meshes of a folder (.ply, .obj, .stl, .off, .dae), by name: upright as they are, the
-/// middle of their foot over the origin; of 400 kg/m^3, as hollow and light things are, but 30 g to
-/// 0.8 kg. @param scale metres per unit of the files.
+/// middle of their foot over the origin; as heavy as mass_of_volume() says. @param scale metres per
+/// unit of the files.
 /// @throws geometry::InputError for a folder without one, a mesh that is no solid, or one larger
 /// than 1 m, as of another unit.
 std::vector<ClutterSolid> read_clutter_solids(const std::filesystem::path& folder,
