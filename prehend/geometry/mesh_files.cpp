@@ -15,6 +15,8 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/file_headers.h"
+#include "prehend/geometry/mesh_guards.h"
+#include "prehend/geometry/off_mesh.h"
 #include "prehend/geometry/ply_mesh.h"
 #include "prehend/geometry/stl_mesh.h"
 
@@ -141,7 +143,11 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
   if (extension == ".stl") {
     // Assimp takes a text STL that stops in the middle for a whole one.
     if (is_binary_stl(path, size)) return joined_stl(path, scale);
-  } else if (extension != ".obj" && extension != ".off" && extension != ".dae" && !is_gltf) {
+  } else if (extension == ".off") {
+    TriangleMesh mesh = read_off_mesh(path, scale);
+    check_mesh(mesh, path);
+    return mesh;
+  } else if (extension != ".obj" && extension != ".dae" && !is_gltf) {
     fail(path, "is neither a .dae, .gltf, .glb, .obj, .off, .ply nor .stl file",
          "Convert it, e.g. with MeshLab");
   }
@@ -154,9 +160,22 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
                                   aiComponent_MATERIALS | aiComponent_TEXTURES);
   // Assimp applies COLLADA's unit, so that its meshes are in metres, and would turn all to y up.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(
-      path.string(), aiProcess_Triangulate | aiProcess_RemoveComponent |
-                         aiProcess_PreTransformVertices | aiProcess_JoinIdenticalVertices);
+  // Of a file without a mesh it would make pyramids, one for each node.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+  const aiScene* scene = nullptr;
+  if (extension == ".dae") {
+    const std::string text = sound_collada(path);
+    scene = importer.ReadFileFromMemory(text.data(), text.size(), 0, "dae");
+  } else {
+    if (is_gltf) refuse_unsound_gltf(path, extension == ".glb");
+    scene = importer.ReadFile(path.string(), 0);
+  }
+  if (scene != nullptr) {
+    refuse_unsound_scene(path, *scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_RemoveComponent |
+                                         aiProcess_PreTransformVertices |
+                                         aiProcess_JoinIdenticalVertices);
+  }
   if (scene == nullptr) fail(path, std::string("could not be read: ") + importer.GetErrorString());
   TriangleMesh mesh = from_assimp(*scene, scale);
   if (is_gltf) {

@@ -1,5 +1,6 @@
 #include "prehend/robot/urdf_document.h"
 
+#include <algorithm>
 #include <exception>
 #include <fstream>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/text/xml_size.h"
 
 namespace prehend::robot {
 namespace {
@@ -37,14 +39,37 @@ class Complaints : public console_bridge::OutputHandler {
   std::string text_, errors_;
 };
 
+std::string without_comments(const std::string& text) {
+  std::string rest;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t begin = std::min(text.find("<!--", at), text.size());
+    rest.append(text, at, begin - at);
+    const std::size_t end = begin < text.size() ? text.find("-->", begin) : std::string::npos;
+    at = end == std::string::npos ? text.size() : end + 3;
+  }
+  return rest;
+}
+
+/// The parser calls itself from each link to the next, and takes time as the square of all.
+void refuse_too_much(const std::string& text, const std::string& name) {
+  constexpr std::size_t kMostBytes = 64 << 20, kMostLinks = 10000;
+  if (text.size() > kMostBytes) {
+    throw InputError("'" + name + "' is larger than 64 MiB: no robot's file", "Check the path");
+  }
+  text::refuse_xml_bomb(text, name);
+  std::size_t links = 0;
+  for (std::size_t at = text.find("<link"); at != std::string::npos;
+       at = text.find("<link", at + 5))
+    ++links;
+  if (links > kMostLinks) {
+    throw InputError("'" + name + "' has more than 10000 links", "No robot has so many: split it");
+  }
+}
+
 /// The parser passes over xacro's elements, so that of a file of macros next to nothing is left.
 /// What xacro has made of one may still name its namespace, and have macros in comments.
-void refuse_macros(std::string text, const std::string& name) {
-  for (std::size_t begin = text.find("<!--"); begin != std::string::npos;
-       begin = text.find("<!--", begin)) {
-    const std::size_t end = text.find("-->", begin);
-    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
-  }
+void refuse_macros(const std::string& all, const std::string& name) {
+  const std::string text = without_comments(all);
   for (const char* sign : {"<xacro:", "${", "$("}) {
     if (text.find(sign) == std::string::npos) continue;
     throw InputError("'" + name + "' has xacro macros, which are not read",
@@ -56,6 +81,7 @@ void refuse_macros(std::string text, const std::string& name) {
 
 std::shared_ptr<urdf::ModelInterface> parse_urdf_document(const std::string& text,
                                                           const std::string& name) {
+  refuse_too_much(text, name);
   refuse_macros(text, name);
   std::shared_ptr<urdf::ModelInterface> document;
   const Complaints complaints;

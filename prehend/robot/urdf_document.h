@@ -16,7 +16,8 @@ namespace prehend::robot {
 
 /// The document in `text`; `name` stands for the file in messages. Never null, with a root link.
 /// @throws geometry::InputError with what the parser complains of, also when it would leave out a
-/// part and go on, or for macros of xacro.
+/// part and go on, for macros of xacro, and for more than 64 MiB, 10,000 links, or what
+/// text::refuse_xml_bomb() refuses.
 std::shared_ptr<urdf::ModelInterface> parse_urdf_document(const std::string& text,
                                                           const std::string& name);
 

@@ -2,7 +2,6 @@
 // the argument `mode`. A file that loads is described too.
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 
 #include "prehend/launch/launch_file.h"
 #include "prehend/launch/process_plan.h"
+#include "tests/fuzz/folder.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace {
@@ -27,32 +27,18 @@ nodes:
 class Files {
  public:
   Files() {
-    std::string pattern = fs::temp_directory_path() / "prehend-fuzz-XXXXXX";
-    FUZZ_CHECK(::mkdtemp(pattern.data()) != nullptr);
-    root_ = pattern;
-    fs::create_directory(root_ / "launch");
-    fs::create_directory(root_ / "bin");
-    write(root_ / "launch/part.yaml", kPart);
-    for (const char* program : {"alpha", "beta"}) {
-      write(root_ / "bin" / program, "");
-      fs::permissions(root_ / "bin" / program, fs::perms::owner_all);
+    folder_.write("launch/part.yaml", kPart);
+    for (const char* program : {"bin/alpha", "bin/beta"}) {
+      fs::permissions(folder_.write(program, ""), fs::perms::owner_all);
     }
   }
-  ~Files() {
-    std::error_code ignored;
-    fs::remove_all(root_, ignored);
-  }
   std::string launch_file(std::string_view content) const {
-    write(root_ / "launch/graph.yaml", content);
-    return root_ / "launch/graph.yaml";
+    return folder_.write("launch/graph.yaml", content);
   }
-  std::string programs() const { return root_ / "bin"; }
+  std::string programs() const { return folder_.path() / "bin"; }
 
  private:
-  static void write(const fs::path& path, std::string_view content) {
-    std::ofstream(path, std::ios::binary) << content;
-  }
-  fs::path root_;
+  const prehend::fuzz::Folder folder_;
 };
 
 }  // namespace

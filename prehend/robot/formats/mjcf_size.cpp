@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/file_headers.h"
+#include "prehend/geometry/mesh_files.h"
 #include "prehend/robot/formats/file_text.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
@@ -38,14 +41,19 @@ class MjcfSizes {
     above_.pop_back();
   }
 
-  void refuse_what_is_no_file() const {
+  /// MuJoCo reads what is no file without end, and a damaged OBJ beyond its numbers.
+  void refuse_unsound_assets() const {
+    std::set<fs::path> looked_at;
     for (const auto& [name, place] : assets_) {
       for (const fs::path& folder : folders_) {
         for (const fs::path& path : {folder_ / folder / name, folder_ / folder / name.filename()}) {
           std::error_code error;
-          if (!fs::exists(path, error) || fs::is_regular_file(path, error)) continue;
-          throw geometry::InputError(place + ": '" + name.string() + "' is no file",
-                                     "Name a mesh or a picture");
+          if (!fs::exists(path, error) || !looked_at.insert(path).second) continue;
+          if (!fs::is_regular_file(path, error)) {
+            throw geometry::InputError(place + ": '" + name.string() + "' is no file",
+                                       "Name a mesh or a picture");
+          }
+          if (geometry::lower_case_extension(path) == ".obj") geometry::read_mesh_file(path);
         }
       }
     }
@@ -120,7 +128,7 @@ class MjcfSizes {
 void refuse_mjcf_bomb(const fs::path& file) {
   MjcfSizes sizes(file);
   sizes.read_file(file);
-  sizes.refuse_what_is_no_file();
+  sizes.refuse_unsound_assets();
 }
 
 }  // namespace prehend::robot::formats

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <unordered_map>
@@ -15,7 +16,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/archive.h"
 #include "prehend/robot/formats/file_text.h"
-#include "prehend/robot/formats/xml_size.h"
+#include "prehend/text/xml_size.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -33,10 +34,10 @@ struct TrackedXml::State {
   std::unordered_set<const void*> read;  // elements and attributes
   std::unordered_set<const void*> told;  // elements of which all is accounted for
   bool ignores_case = false;
-  std::unordered_map<std::string, const tinyxml2::XMLElement*> ids;
+  std::optional<std::unordered_map<std::string, const tinyxml2::XMLElement*>> ids;
 
   void collect_ids(const tinyxml2::XMLElement& element) {
-    if (const char* id = element.Attribute("id")) ids.emplace(id, &element);
+    if (const char* id = element.Attribute("id")) ids->emplace(id, &element);
     for (const auto* child = element.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
       collect_ids(*child);
@@ -114,7 +115,7 @@ TrackedXml::TrackedXml(const std::string& text, std::string file, LossReport& lo
   if (text.size() > kMostBytes) {
     throw InputError(state_->file + " is larger than 64 MiB: no robot's file", "Check the path");
   }
-  refuse_xml_bomb(text, state_->file);
+  text::refuse_xml_bomb(text, state_->file);
   if (state_->document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS ||
       !state_->document.RootElement()) {
     const char* words = state_->document.ErrorStr();
@@ -147,9 +148,12 @@ XmlElement TrackedXml::root() {
 
 std::optional<XmlElement> TrackedXml::by_id(const std::string& id) {
   State& state = *state_;
-  if (state.ids.empty()) state.collect_ids(*state.document.RootElement());
-  const auto found = state.ids.find(id);
-  if (found == state.ids.end()) return std::nullopt;
+  if (!state.ids) {
+    state.ids.emplace();
+    state.collect_ids(*state.document.RootElement());
+  }
+  const auto found = state.ids->find(id);
+  if (found == state.ids->end()) return std::nullopt;
   for (const tinyxml2::XMLNode* node = found->second; node && node->ToElement();
        node = node->Parent()) {
     state.read.insert(node->ToElement());

@@ -1,7 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/model_check.h"
+#include "prehend/robot/formats/shape_mesh.h"
+#include "tests/robot/formats/robot_files.h"
 
 namespace prehend::robot::formats {
 
@@ -60,5 +68,60 @@ inline std::vector<SmallFile> small_files(const std::string& link = "b") {
            R"("}], "joints": [{"name": "j", "kind": "revolute", "parent": "a", "child": ")" + link +
            R"(", "pose": {"position": [1, 2, 3]}, "axis": [0, 0, 1], "lower": -1, "upper": 1}]})"}};
 }
+
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+inline std::string repeated(const std::string& text, std::size_t count) {
+  std::string all;
+  all.reserve(text.size() * count);
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+/// Tests of files of strangers who mean harm.
+class HostileFiles : public RobotFiles {
+ protected:
+  static bool has_mujoco() {
+    return std::any_of(robot_formats().begin(), robot_formats().end(),
+                       [](const auto& one) { return one->name() == "mjcf"; });
+  }
+  static std::vector<SmallFile> files(const std::string& link = "b") {
+    std::vector<SmallFile> all = small_files(link);
+    std::erase_if(all,
+                  [](const SmallFile& one) { return one.name == "mjcf.xml" && !has_mujoco(); });
+    return all;
+  }
+  /// As `prehend model check` and `convert` do: read, checked, mended, written in every format.
+  /// @returns the words of a refusal; empty: it went through
+  std::string went_through(const std::string& name, const std::string& text) {
+    try {
+      RobotDescription robot = read(name, text);
+      check_model(robot, folder_);
+      mend_model(robot, folder_);
+      difference(robot, robot, 2);
+      for (const auto& format : robot_formats()) {
+        if (!format->can_write()) continue;
+        LossReport loss;
+        RobotDescription copy = robot;
+        take_out_meshes(copy, folder_, "out", loss, format->taken_meshes());
+        EXPECT_FALSE(format->write(copy, loss).empty());
+      }
+    } catch (const geometry::InputError& error) {
+      EXPECT_FALSE(error.problem().empty());
+      return error.what();
+    }
+    return {};
+  }
+  std::string findings_of(const RobotDescription& robot) {
+    std::string all;
+    for (const ModelFinding& one : check_model(robot, folder_)) {
+      all += one.place + ": " + one.what + "\n";
+    }
+    return all;
+  }
+};
 
 }  // namespace prehend::robot::formats
