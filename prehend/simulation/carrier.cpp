@@ -52,7 +52,7 @@ void Carrier::move(const geometry::RigidTransform& X_WG_target, double speed) {
   const double target_yaw = std::atan2(turn(1, 0), turn(0, 0));
   const double change = std::remainder(target_yaw - yaw_, 2 * std::numbers::pi);
   if (guide_) run_on(velocity(), yaw_rate());
-  next_ = Target{p, yaw_ + change, speed};
+  next_ = CarrierTarget{p, yaw_ + change, speed};
   braking_ = path_speed_ != 0;
   if (!braking_) path_remaining_ = 0;
 }
@@ -108,7 +108,7 @@ void Carrier::stop() {
   if (!braking_) path_remaining_ = 0;
 }
 
-void Carrier::start(const Target& target) {
+void Carrier::start(const CarrierTarget& target) {
   goal_ = target;
   path_direction_ = target.position - position_;
   path_yaw_ = target.yaw - yaw_;
@@ -143,7 +143,7 @@ void Carrier::begin_step(double h) {
     }
   }
   if (!braking_ && next_) {
-    const Target target = *next_;
+    const CarrierTarget target = *next_;
     next_.reset();
     start(target);
   }
@@ -178,7 +178,7 @@ Carrier::Segment Carrier::segment() {
     path_remaining_ = 0;
   }
   if (!braking_ && next_) {
-    const Target target = *next_;
+    const CarrierTarget target = *next_;
     next_.reset();
     start(target);
   }

@@ -7,6 +7,18 @@
 
 namespace prehend::simulation {
 
+/// Where a carrier is to go: its position [m] and yaw [rad], at a speed [m/s]. (Not within Carrier:
+/// clang would not have it in an optional there.)
+struct CarrierTarget {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double yaw = 0;
+  double speed = 0;
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(position, yaw, speed);
+  }
+};
+
 /// A way of x, y, z [m] and yaw [rad] from where a carrier stands: velocity t + acceleration t^2 /
 /// 2
 /// + jerk t^3 / 6.
@@ -94,21 +106,12 @@ class Carrier {
   }
 
  private:
-  struct Target {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();
-    double yaw = 0;
-    double speed = 0;
-    template <class Archive>
-    void archive(Archive& archive) {
-      archive(position, yaw, speed);
-    }
-  };
   struct Segment {
     double ramp = 0;      // 1/s^2
     double duration = 0;  // s, infinity at rest
   };
   Segment segment();
-  void start(const Target& target);
+  void start(const CarrierTarget& target);
   void arrive();
   void require_within(const Eigen::Vector3d& position) const;
   void run_on(const Eigen::Vector3d& velocity, double yaw_rate);
@@ -124,9 +127,9 @@ class Carrier {
   double path_speed_ = 0, path_max_speed_ = 0, path_acceleration_ = 0;
   bool braking_ = false;
   double ramp_ = 0;  // 1/s^2, of the exact step under way
-  std::optional<Target> goal_;
-  std::optional<Target> next_;        // begins when the running motion has stopped
-  std::optional<CarrierPath> guide_;  // from where it stands now; goes before all else
+  std::optional<CarrierTarget> goal_;
+  std::optional<CarrierTarget> next_;  // begins when the running motion has stopped
+  std::optional<CarrierPath> guide_;   // from where it stands now; goes before all else
 };
 
 }  // namespace prehend::simulation

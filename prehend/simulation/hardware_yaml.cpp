@@ -132,7 +132,7 @@ void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
   map.read("spindle_lead", drive.spindle_lead);
   if (const YAML::Node node_of_thread = map.child("thread")) {
     text::YamlMap thread(node_of_thread, file, "drive.thread");
-    drive.thread.emplace();
+    drive.thread = SpindleDriveModel::Thread{};  // not emplace(): clang would not have it
     thread.read("mean_diameter", drive.thread->mean_diameter);
     thread.read("friction", drive.thread->friction);
     thread.read("flank_angle", drive.thread->flank_angle);

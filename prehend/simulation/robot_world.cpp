@@ -315,7 +315,7 @@ void RobotWorld::carry(const RigidTransform& X_WH, double duration) {
   if (has_arm()) throw std::logic_error("this hand is carried by its arm");
   contact::require(X_WH.matrix().allFinite(), "X_WH", "finite");
   contact::require_positive(duration, "duration");
-  implementation_->path.emplace();
+  implementation_->path = Implementation::Path{};  // not emplace(): clang would not have it
   Implementation::Path& path = *implementation_->path;
   path.from = implementation_->X_WR;
   path.to = X_WH;
