@@ -222,6 +222,11 @@ double ArmCycle::held_collision_force() const {
          std::max(2 * geometry::kGravity * grasp().lifted_mass, holding_.weight().value_or(0));
 }
 
+// By which fingers that close press what they grip on what it stands on: the lift takes it away.
+double ArmCycle::pressed_force() const {
+  return percepts_.wrist_force ? percepts_.wrist_force->norm() : 0;
+}
+
 // Begins once the arm has come to rest; true until it has ended.
 bool ArmCycle::looks_at_lift() {
   if (!lift_view_) return false;

@@ -220,6 +220,7 @@ class ArmCycle : public Cycle {
   bool reacts_to_contact() const;
   double contact_force_down() const;    // N, at which what is lowered is met
   double held_collision_force() const;  // N
+  double pressed_force() const;         // N
   std::optional<double> closure() const;
   double felt_contact(double borne) const;
   /// Gives up when what is held is lost; true then.

@@ -96,6 +96,26 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
   EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
 }
 
+// Regression: fingers of strong motors pressed a mug onto the table with 170 N as they closed, and
+// the lift, which takes that away, was stopped by it.
+TEST(ArmCycle, WhatAGripPressesOnTheTableDoesNotStopTheLift) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  std::size_t asked_before = 0;
+  for (int i = 0; i < 4000 && !cycle.finished() && cycle.phase() != Phase::kMove; ++i) {
+    asked_before = cycle.phase() == Phase::kGrasp ? f.arm.forces.size() : asked_before;
+    f.now.time += 0.02;
+    f.felt();
+    if (cycle.phase() == Phase::kGrasp) f.now.wrist_force->z() += 170;
+    cycle.step(f.now);
+  }
+  ASSERT_EQ(cycle.phase(), Phase::kMove) << cycle.result().reason;
+  ASSERT_GT(f.arm.forces.size(), asked_before);
+  EXPECT_NEAR(f.arm.forces[asked_before], ArmCycleOptions{}.collision_force + 170, 10);
+}
+
 // Regression: a hand that had come down on a cup that was hidden pressed on it with 360 N, and its
 // retreat failed by that at once.
 TEST(ArmCycle, GoesUpFromWhatItPressesOnBeforeItRetreats) {
