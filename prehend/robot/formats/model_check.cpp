@@ -165,12 +165,7 @@ class Checker {
   }
 
   void check_shape(const Shape& shape, const std::string& place) {
-    const bool is_empty =
-        (shape.kind == Shape::Kind::kBox && !(shape.size.minCoeff() > 0)) ||
-        ((shape.kind == Shape::Kind::kSphere || shape.kind == Shape::Kind::kCylinder) &&
-         !(shape.radius > 0)) ||
-        (shape.kind == Shape::Kind::kCylinder && !(shape.length > 0));
-    if (is_empty) add(Level::kError, place, "has a shape without size", "Give it one");
+    if (has_no_size(shape)) add(Level::kError, place, "has a shape without size", "Give it one");
     if (shape.kind != Shape::Kind::kMesh) return;
     if (shape.scale.prod() < 0) {
       add(Level::kWarning, place, "mirrors the mesh '" + shape.mesh + "': its inside is outside",

@@ -73,7 +73,25 @@ std::string plain(const std::string& words) {
 
 }  // namespace
 
+bool has_no_size(const Shape& shape) {
+  switch (shape.kind) {
+    case Shape::Kind::kBox:
+      return !(shape.size.minCoeff() > 0);
+    case Shape::Kind::kSphere:
+      return !(shape.radius > 0);
+    case Shape::Kind::kCylinder:
+      return !(shape.radius > 0 && shape.length > 0);
+    case Shape::Kind::kCapsule:
+      return !(shape.radius > 0 && shape.length >= 0);
+    default:
+      return false;
+  }
+}
+
 geometry::TriangleMesh ShapeMeshes::of(const Shape& shape) {
+  if (has_no_size(shape)) {
+    throw geometry::InputError("a shape of the robot has no size", "Give it one, above 0 m");
+  }
   switch (shape.kind) {
     case Shape::Kind::kBox:
       return geometry::make_box(shape.size);

@@ -12,6 +12,9 @@
 
 namespace prehend::robot::formats {
 
+/// Whether a box, ball, cylinder or capsule is flat, negative or not a number.
+bool has_no_size(const Shape& shape);
+
 /// Surfaces of a robot's shapes; each file is read once.
 class ShapeMeshes {
  public:
@@ -19,7 +22,8 @@ class ShapeMeshes {
   explicit ShapeMeshes(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   /// The surface of a shape of any kind, in its frame S [m], scale applied; of a plane none.
-  /// @throws geometry::InputError naming the file of a mesh that is not there or not read.
+  /// @throws geometry::InputError naming the file of a mesh that is not there or not read, and for
+  /// a shape that has_no_size().
   geometry::TriangleMesh of(const Shape& shape);
   /// A file's mesh as it stands in it, in its units: all that geometry::read_mesh_file() reads, and
   /// Inventor and VRML. @throws as of()
