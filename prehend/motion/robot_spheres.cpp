@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
+#include "prehend/geometry/kept_by_mesh.h"
 #include "prehend/motion/link_places.h"
 #include "prehend/motion/solid_cover.h"
 
@@ -23,43 +21,12 @@ int pieces(double length, double resolution) {
   return std::max(1, static_cast<int>(std::ceil(length / resolution - 1e-9)));
 }
 
-using Solid = std::shared_ptr<const geometry::TriangleMesh>;
-
-/// cover_solid() of meshes that are in use, since a robot is covered anew for each posture of its
-/// hand.
-class KeptCovers {
- public:
-  std::vector<Ball> of(const Solid& solid, double overshoot) {
-    const Key key{solid.get(), overshoot};
-    {
-      const std::lock_guard lock(mutex_);
-      const auto found = covers_.find(key);
-      // Another mesh may have come to lie where one was.
-      if (found != covers_.end() && found->second.solid.lock() == solid) return found->second.balls;
-    }
-    std::vector<Ball> balls = cover_solid(*solid, overshoot);
-    const std::lock_guard lock(mutex_);
-    std::erase_if(covers_, [](const auto& entry) { return entry.second.solid.expired(); });
-    covers_[key] = {solid, balls};
-    return balls;
-  }
-
- private:
-  using Key = std::pair<const geometry::TriangleMesh*, double>;
-  struct Cover {
-    std::weak_ptr<const geometry::TriangleMesh> solid;
-    std::vector<Ball> balls;
-  };
-  std::mutex mutex_;
-  std::map<Key, Cover> covers_;
-};
-
 /// Balls that hold a shape, in its own frame.
 std::vector<Ball> balls_of(const CollisionShape& shape, double resolution) {
   if (shape.kind == CollisionShape::Kind::kMesh) {
     // Where links fold onto each other there are a few centimetres between them.
-    static KeptCovers covers;
-    return covers.of(shape.solid, resolution / 5);
+    static geometry::KeptByMesh<std::vector<Ball>> covers;
+    return covers.of(shape.solid, resolution / 5, cover_solid);
   }
   std::vector<Ball> balls;
   if (shape.kind == CollisionShape::Kind::kSphere) return {{Vector3d::Zero(), shape.radius}};

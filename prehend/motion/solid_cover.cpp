@@ -152,9 +152,10 @@ class Candidates {
   /// Adds the ball at `depth` under the surface's point; whether that is the nearest of it.
   bool add_under(const Vector3d& surface, const Vector3d& inward, double depth) {
     const Vector3d center = surface + depth * inward;
-    const double distance = query_.signed_distance(center);
-    if (!(distance < -0.99 * depth)) return false;
-    balls_.push_back({center, overshoot_ - distance});
+    // Where it is so far from all of the surface is looked for no farther than the point above it.
+    const auto nearest = query_.nearest(center, 1.001 * depth);
+    if (!nearest || nearest->distance <= 0.99 * depth || !query_.contains(center)) return false;
+    balls_.push_back({center, overshoot_ + nearest->distance});
     return true;
   }
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/kept_by_mesh.h"
 #include "prehend/grasp/closing/solid_balls.h"
 
 namespace prehend::grasp {
@@ -77,7 +78,8 @@ std::vector<Vector3d> on_cylinder(double radius, double length, const Cover& cov
 void add_shape(const CollisionShape& shape, const std::string& link, double tolerance,
                LinkBalls& balls) {
   if (shape.kind == CollisionShape::Kind::kMesh) {
-    for (const SolidBall& ball : balls_within(*shape.solid, tolerance)) {
+    static geometry::KeptByMesh<std::vector<SolidBall>> kept;
+    for (const SolidBall& ball : kept.of(shape.solid, tolerance, balls_within)) {
       balls.centers.push_back(shape.X_LS * ball.center);
       balls.radii.push_back(ball.radius);
     }
