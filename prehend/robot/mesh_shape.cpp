@@ -51,7 +51,9 @@ std::vector<std::filesystem::path> package_places(const std::string& package,
     if (place.filename() == package) places.push_back(place / rest);
     places.push_back(place / package / rest);
   };
-  std::filesystem::path up = std::filesystem::absolute(folder).lexically_normal();
+  // The folder of "robot.urdf" is empty, of which none would be absolute.
+  std::filesystem::path up =
+      std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
   if (!up.has_filename()) up = up.parent_path();  // of "folder/"
   for (; up.has_relative_path(); up = up.parent_path()) in_or_as(up);
   const char* listed = std::getenv("ROS_PACKAGE_PATH");

@@ -162,6 +162,8 @@ TEST_F(MeshShape, PackagesAreFoundAboveAndOnTheRosPath) {
   EXPECT_EQ(find_mesh_file("file://" + own.string(), urdf), own);
   EXPECT_EQ(find_mesh_file(own.string(), urdf), own);
   EXPECT_FALSE(std::filesystem::exists(find_mesh_file("package://far/meshes/c.stl", urdf)));
+  // Of a file that is named without a folder.
+  EXPECT_FALSE(std::filesystem::exists(find_mesh_file("package://far/meshes/c.stl", "")));
   setenv("ROS_PACKAGE_PATH", ("/nowhere::" + (folder_ / "elsewhere").string()).c_str(), 1);
   EXPECT_EQ(find_mesh_file("package://far/meshes/c.stl", urdf), far);
   setenv("ROS_PACKAGE_PATH", (folder_ / "elsewhere/far").c_str(), 1);
