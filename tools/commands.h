@@ -25,6 +25,7 @@ void add_doctor_command(CLI::App& app, Outcome& outcome);
 void add_completion_command(CLI::App& app);
 void add_explain_command(CLI::App& app);
 void add_clutter_command(CLI::App& app);
+void add_sweep_command(CLI::App& app);
 void add_plan_command(CLI::App& app);
 void add_model_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);

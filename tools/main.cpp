@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   add_doctor_command(app, outcome);
   add_explain_command(app);
   add_clutter_command(app);
+  add_sweep_command(app);
   add_plan_command(app);
   add_model_command(app);
   add_calibrate_command(app);

@@ -25,6 +25,7 @@ struct Hall {
 const std::vector<Hall> kHalls{{"graph", {"text"}, true},
                                {"launch", {"text", "graph"}, true},
                                {"recording", {"text"}, false},
+                               {"sweep", {"text"}, false},
                                {"viewing", {"text"}, false}};
 
 struct Place {
