@@ -20,21 +20,22 @@ void Database::Statement::Deleter::operator()(sqlite3_stmt* statement) const {
 
 Database::Database(const std::filesystem::path& file, const DatabaseKind& kind, DatabaseUse use)
     : file_(file.string()), kind_(kind) {
-  const int flags =
-      use == DatabaseUse::kRead ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  // Who only reads must be able to roll back what a killed writer left half done.
+  const int flags = SQLITE_OPEN_READWRITE | (use == DatabaseUse::kChange ? SQLITE_OPEN_CREATE : 0);
   sqlite3* opened = nullptr;
   const int code = sqlite3_open_v2(file_.c_str(), &opened, flags, nullptr);
   connection_.reset(opened);
   if (code != SQLITE_OK) fail("cannot be opened");
   sqlite3_busy_timeout(opened, kPatience);
   const std::string other = "is no database of " + kind_.holds;
-  if (use == DatabaseUse::kRead) {
-    execute("SELECT count(*) FROM sqlite_master", other.c_str());
-    make_schema();
-    return;
+  if (use == DatabaseUse::kChange) execute(kind_.settings, other.c_str());
+  execute("SELECT count(*) FROM sqlite_master", other.c_str());
+  if (is_empty()) {
+    transaction([this] { make_schema(); });
+  } else {
+    check_kind();
   }
-  execute(kind_.settings, other.c_str());
-  transaction([this] { make_schema(); });
+  if (use == DatabaseUse::kRead) execute("PRAGMA query_only=ON", other.c_str());
 }
 
 Database::~Database() = default;
@@ -72,21 +73,26 @@ std::int64_t Database::pragma(const char* text) const {
   return statement.step() ? statement.integer(0) : 0;
 }
 
+bool Database::is_empty() const {
+  return pragma("PRAGMA application_id") == 0 && pragma("PRAGMA user_version") == 0 &&
+         pragma("SELECT count(*) FROM sqlite_master") == 0;
+}
+
 void Database::make_schema() const {
-  const std::int64_t application = pragma("PRAGMA application_id");
-  const std::int64_t version = pragma("PRAGMA user_version");
-  if (application == 0 && version == 0 && pragma("SELECT count(*) FROM sqlite_master") == 0) {
-    execute(kind_.schema, "cannot be made");
-    execute(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", kind_.application,
-                        kind_.version)
-                .c_str(),
-            "cannot be made");
-    return;
-  }
-  if (application != kind_.application) {
+  if (!is_empty()) return check_kind();  // another process was first
+  execute(kind_.schema, "cannot be made");
+  execute(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", kind_.application,
+                      kind_.version)
+              .c_str(),
+          "cannot be made");
+}
+
+void Database::check_kind() const {
+  if (pragma("PRAGMA application_id") != kind_.application) {
     throw InputError("'" + file_ + "' is another program's database",
                      "Name a file of " + kind_.holds + ", or a new one");
   }
+  const std::int64_t version = pragma("PRAGMA user_version");
   if (version > kind_.version) {
     throw InputError(fmt::format("'{}' has version {}, newer than this program's {}", file_,
                                  version, kind_.version),

@@ -22,7 +22,7 @@ struct DatabaseKind {
 
 enum class DatabaseUse {
   kChange,  ///< made where it is not there
-  kRead,    ///< must be there and is never changed
+  kRead,    ///< must be there; nothing that is in it is changed
 };
 
 /// One SQLite file of a kind. All of its errors are InputError and name the file. For one thread at
@@ -77,7 +77,9 @@ class Database {
  private:
   [[noreturn]] void fail(const std::string& doing) const;
   std::int64_t pragma(const char* text) const;
+  bool is_empty() const;
   void make_schema() const;
+  void check_kind() const;
 
   std::string file_;
   DatabaseKind kind_;

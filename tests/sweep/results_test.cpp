@@ -1,120 +1,121 @@
-#include "prehend/sweep/results.h"
+// The results' file, and the table made of it.
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
+#include "prehend/sweep/results.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "prehend/sweep/cases.h"
-#include "prehend/sweep/collect.h"
 #include "prehend/sweep/table.h"
 #include "prehend/text/input_error.h"
 #include "tests/launch/child_program.h"
 
-namespace prehend::sweep {
+namespace prehend::testing {
 namespace {
 
+using namespace sweep;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Description three_seeds() {
-  Description made;
-  made.program = "p";
-  made.arguments = {"{seed}"};
-  made.grid = {{"seed", Values::steps("1", "3", "1")}};
-  made.fixed["program"] = "p";
-  return made;
-}
-
-CaseResult result_of(const std::string& name, const std::string& figure, double seconds) {
-  CaseResult result;
-  result.name = name;
-  result.rows = {{"figure"}, {{figure}}};
-  result.seconds = seconds;
-  result.worker = "host:1";
-  return result;
-}
-
-class SweepResults : public ::testing::Test {
+class Results : public ::testing::Test {
  protected:
-  std::string csv_of(const ResultStore& store) {
-    const Description description = three_seeds();
-    const Cases cases(description);
-    const ResultTable table(description, cases,
-                            [&](const std::string& name) { return store.find(name); });
-    write_csv(table, folder_.path("t.csv"));
-    return testing::text_of_file(folder_.path("t.csv"));
+  Results() {
+    description_.file = "sweep.yaml";
+    description_.grid = {{"x", Values::list({"1", "2", "3", "4"})}};
+    description_.fixed = {{"program", "a"}, {"arguments", "[\"{x}\"]"}};
   }
-  testing::ScratchDirectory folder_;
+  std::string table(const ResultStore& store) {
+    const Cases cases(description_);
+    const std::string file = folder_.path("table.csv");
+    write_csv(
+        ResultTable(description_, cases, [&](const std::string& name) { return store.find(name); }),
+        file);
+    return text_of_file(file);
+  }
+
+  ScratchDirectory folder_;
+  Description description_;
 };
 
-TEST_F(SweepResults, AreKeptAndSayNothingOfWhoRanThem) {
-  const auto file = folder_.path("a.db"), other = folder_.path("b.db");
-  ResultStore first(file), second(other);
-  first.add({result_of("seed=1", "0.5", 1), result_of("seed=2", "a, \"b\"", 2)});
-  CaseResult failed = result_of("seed=3", "", 1);
-  failed.rows = {};
-  failed.problem = "exit status 3";
-  first.add({failed});
-  // The other way round, elsewhere, and slower.
-  second.add({failed});
-  second.add({result_of("seed=2", "a, \"b\"", 50), result_of("seed=1", "0.5", 40)});
-  EXPECT_EQ(csv_of(first), csv_of(second));
-  EXPECT_THAT(csv_of(first), HasSubstr("\"a, \"\"b\"\"\""));
-  EXPECT_EQ(first.counts().done, 2);
-  EXPECT_EQ(first.counts().failed, 1);
-  EXPECT_EQ(first.failed(), std::vector<std::string>{"seed=3"});
-  first.forget("seed=2");
-  EXPECT_FALSE(first.has("seed=2"));
-  EXPECT_EQ(first.seconds("seed=2"), 2) << "what it cost is remembered";
-  first.take_from(second);
-  EXPECT_EQ(csv_of(first), csv_of(second));
+TEST_F(Results, AreKept) {
+  const CaseResult good{"x=1", "", "", {{"a", "b"}, {{"1", "q\"\n,"}, {"2", ""}}}, 1.5, "host:1"};
+  const CaseResult bad{"x=2", "exit status 3", "last words\n", {}, 0.5, "host:2"};
+  {
+    ResultStore store(folder_.path("r.db"));
+    store.add({good, bad});
+  }
+  const ResultStore store(folder_.path("r.db"), text::DatabaseUse::kRead);
+  EXPECT_TRUE(store.has("x=1"));
+  EXPECT_FALSE(store.has("x=3"));
+  EXPECT_EQ(store.find("x=1")->rows.names, good.rows.names);
+  EXPECT_EQ(store.find("x=1")->rows.rows, good.rows.rows);
+  EXPECT_EQ(store.find("x=2")->problem, "exit status 3");
+  EXPECT_EQ(store.find("x=2")->output, "last words\n");
+  EXPECT_EQ(store.seconds("x=1"), 1.5);
+  EXPECT_THAT(store.failed(), ElementsAre("x=2"));
+  EXPECT_EQ(store.counts().done, 1);
+  EXPECT_EQ(store.counts().failed, 1);
 }
 
-TEST_F(SweepResults, OfOtherArgumentsAreNotMixed) {
-  Description description = three_seeds();
-  ResultStore store(folder_.path("a.db"));
-  store.bind_to(description);
-  store.bind_to(description);
-  description.fixed["program"] = "q";
-  EXPECT_THROW(store.check(description), text::InputError);
-  EXPECT_THROW(store.bind_to(description), text::InputError);
+TEST_F(Results, AreForgottenButNotTheirCost) {
+  ResultStore store(folder_.path("r.db"));
+  store.add({{"x=1", "", "", {}, 2, "w"}});
+  store.forget("x=1");
+  EXPECT_FALSE(store.has("x=1"));
+  EXPECT_EQ(store.seconds("x=1"), 2);
 }
 
-TEST_F(SweepResults, WhatIsNoSuchFileIsRefused) {
-  const std::string text =
-      folder_.write("text.db", "no data base, but long enough to be looked at");
-  EXPECT_THROW(ResultStore{text}, text::InputError);
+TEST_F(Results, OfOtherArgumentsAreRefused) {
+  ResultStore store(folder_.path("r.db"));
+  store.bind_to(description_);
+  store.bind_to(description_);
+  description_.fixed["arguments"] = "[\"{x}\",\"--quick\"]";
+  try {
+    store.bind_to(description_);
+    FAIL() << "was taken";
+  } catch (const text::InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("other arguments"));
+    EXPECT_THAT(error.what(), HasSubstr("--quick"));
+  }
+}
+
+TEST_F(Results, OfAnotherProgramAreRefused) {
+  folder_.write("r.db", std::string(4096, 'x'));
+  EXPECT_THROW(ResultStore(folder_.path("r.db")), text::InputError);
   EXPECT_THROW(ResultStore(folder_.path("none.db"), text::DatabaseUse::kRead), text::InputError);
-  std::filesystem::create_directory(folder_.path("folder.db"));
-  EXPECT_THROW(ResultStore{folder_.path("folder.db")}, text::InputError);
 }
 
-TEST_F(SweepResults, AreCollectedFromWhatAProgramLeft) {
-  const auto collected = [&](const ResultSource& source) {
-    return collect(source, folder_.path(), folder_.path("output.txt"));
-  };
-  folder_.write("output.txt", "error 3 mm\nerror 2.5 mm\n");
-  folder_.write("r.csv", "n,\"the, name\"\r\n1,\"a \"\"b\"\"\"\r\n2,\r\n");
-  folder_.write("r.json", "{\"lifted\": true, \"slip\": 1.5}");
-  const Rows by_pattern =
-      collected({ResultSource::Kind::kOutput, "", {{"error", "error ([0-9.]+) mm"}}});
-  EXPECT_EQ(by_pattern.rows, (std::vector<std::vector<std::string>>{{"2.5"}})) << "the last one";
-  const Rows by_csv = collected({ResultSource::Kind::kCsv, "r.csv", {}});
-  EXPECT_EQ(by_csv.names, (std::vector<std::string>{"n", "the, name"}));
-  EXPECT_EQ(by_csv.rows, (std::vector<std::vector<std::string>>{{"1", "a \"b\""}, {"2", ""}}));
-  const Rows by_json = collected({ResultSource::Kind::kJson, "r.json", {}});
-  ASSERT_EQ(by_json.rows.size(), 1U);
-  EXPECT_THAT(by_json.rows[0], ::testing::UnorderedElementsAre("true", "1.5"));
-  EXPECT_THROW(collected({ResultSource::Kind::kCsv, "none.csv", {}}), text::InputError);
-  EXPECT_THROW(collected({ResultSource::Kind::kOutput, "", {{"x", "x=(.)"}}}), text::InputError);
-  folder_.write("bad.json", "[1, 2");
-  EXPECT_THROW(collected({ResultSource::Kind::kJson, "bad.json", {}}), text::InputError);
-  folder_.write("bad.csv", "a,b\n1\n");
-  EXPECT_THROW(collected({ResultSource::Kind::kCsv, "bad.csv", {}}), text::InputError);
+TEST_F(Results, AreMerged) {
+  ResultStore whole(folder_.path("r.db")), part(folder_.path("p.db"));
+  part.add({{"x=3", "", "", {{"a"}, {{"7"}}}, 2, "w"}});
+  whole.take_from(part);
+  whole.take_from(part);
+  EXPECT_THAT(whole.find("x=3")->rows.rows, ElementsAre(ElementsAre("7")));
+  EXPECT_EQ(whole.seconds("x=3"), 2);
+  EXPECT_EQ(whole.counts().done, 1);
+}
+
+TEST_F(Results, MakeOneTable) {
+  ResultStore store(folder_.path("r.db"));
+  store.add({{"x=4", "", "", {{"b"}, {{"1"}}}, 2, "w"}});
+  store.add({{"x=2", "It failed", "words", {}, 3, "w"}});
+  store.add({{"x=1", "", "", {{"a", "x"}, {{"p,q", "9"}, {"say \"so\"", "8"}}}, 1, "w"}});
+  EXPECT_EQ(table(store),
+            "case,x,state,problem,a,result.x,b\r\n"
+            "x=1,1,done,,\"p,q\",9,\r\n"
+            "x=1,1,done,,\"say \"\"so\"\"\",8,\r\n"
+            "x=2,2,failed,It failed,,,\r\n"
+            "x=4,4,done,,,,1\r\n");
+  const Cases cases(description_);
+  const ResultTable made(description_, cases,
+                         [&](const std::string& name) { return store.find(name); });
+  EXPECT_EQ(made.rows(), 4);
+  EXPECT_EQ(made.failed(), 1);
+  EXPECT_EQ(made.missing(), 1);
+  ASSERT_EQ(made.columns().size(), 7u);
+  EXPECT_EQ(made.columns()[1].kind, ColumnKind::kWhole);
+  EXPECT_EQ(made.columns()[2].kind, ColumnKind::kText);
+  EXPECT_EQ(made.columns()[5].kind, ColumnKind::kNumber) << "whole numbers, but not everywhere";
 }
 
 }  // namespace
-}  // namespace prehend::sweep
+}  // namespace prehend::testing

@@ -105,10 +105,10 @@ std::pair<std::unique_ptr<FolderLock>, std::unique_ptr<FolderLock>> SweepFolder:
 int SweepFolder::merge_into(sweep::ResultStore& store) const {
   const std::vector<fs::path> files = parts();
   for (const fs::path& file : files) {
-    // Not for reading alone: a part that was killed may have left a journal to be rolled back.
-    store.take_from(sweep::ResultStore(file));
+    store.take_from(sweep::ResultStore(file, text::DatabaseUse::kRead));
     std::error_code ignored;  // what stays is merged once more, with the same end
     fs::remove(file, ignored);
+    fs::remove(file.string() + "-journal", ignored);
     fs::remove(fs::path(file).replace_extension(".lock"), ignored);
   }
   return static_cast<int>(files.size());

@@ -16,7 +16,9 @@ int main(int argc, char** argv) {
   tools::add_sweep_options(app, choices);
   try {
     app.parse(argc, argv);
-    return tools::run_sweep(choices);
+    if (!choices.mpi) return tools::run_sweep(choices, nullptr);
+    tools::MpiSession mpi(choices.lost_after);
+    return mpi.hands_out() ? tools::run_sweep(choices, &mpi) : mpi.serve();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
