@@ -16,9 +16,7 @@ int main(int argc, char** argv) {
   tools::add_sweep_options(app, choices);
   try {
     app.parse(argc, argv);
-    if (!choices.mpi) return tools::run_sweep(choices, nullptr);
-    tools::MpiSession mpi(choices.lost_after);
-    return mpi.hands_out() ? tools::run_sweep(choices, &mpi) : mpi.serve();
+    return tools::run_sweep(choices);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

@@ -13,7 +13,6 @@
 #include "prehend/text/input_error.h"
 #include "tools/sweep/case_program.h"
 #include "tools/sweep/folder.h"
-#include "tools/sweep/hdf5_table.h"
 #include "tools/sweep/run_cases.h"
 #include "tools/sweep/said.h"
 #include "tools/sweep/slurm_array.h"
@@ -30,9 +29,8 @@ using text::InputError;
 
 class Sweep {
  public:
-  Sweep(const SweepChoices& choices, MpiSession* mpi)
+  explicit Sweep(const SweepChoices& choices)
       : choices_(choices),
-        mpi_(mpi),
         description_(sweep::read_description(choices.file, lines_of)),
         cases_(description_),
         program_(case_program(description_.program)) {
@@ -154,7 +152,10 @@ class Sweep {
       fmt::print("Nothing is open: each case has its result\n");
       return 0;
     }
-    const auto workers = mpi_ ? mpi_->workers() : workers_here(workers_for(handout.total()));
+    const int asked = choices_.workers > 0 ? choices_.workers
+                                           : static_cast<int>(std::thread::hardware_concurrency());
+    const auto workers =
+        workers_here(static_cast<int>(std::min<std::int64_t>(std::max(1, asked), handout.total())));
     SaidProgress said;
     const RunProgress progress = run_cases(
         handout, *workers, store, [this](std::int64_t i) { return order(i); },
@@ -168,12 +169,6 @@ class Sweep {
     if (!progress.is_stopped) return progress.failed > 0 ? 1 : 0;
     fmt::print("Stopped. What ended is kept; start it again to go on\n");
     return 130;
-  }
-
-  int workers_for(std::int64_t cases) const {
-    const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
-    const std::int64_t asked = choices_.workers > 0 ? choices_.workers : processors;
-    return static_cast<int>(std::min(asked, cases));
   }
 
   CaseOrder order(std::int64_t index) const {
@@ -219,11 +214,7 @@ class Sweep {
     if (!choices_.export_file.empty()) {
       const fs::path file = choices_.export_file;
       const sweep::ResultTable table(description_, cases_, find);
-      if (file.extension() == ".csv") {
-        sweep::write_csv(table, file);
-      } else {
-        write_hdf5(table, description_, file);
-      }
+      sweep::write_csv(table, file);
       fmt::print("{}: {} rows{}\n", file.string(), table.rows(),
                  table.missing() > 0 ? fmt::format("; {} cases have no result yet and are left out",
                                                    table.missing())
@@ -233,7 +224,6 @@ class Sweep {
   }
 
   const SweepChoices& choices_;
-  MpiSession* mpi_;
   const sweep::Description description_;
   const Cases cases_;
   const std::string program_;
@@ -243,6 +233,6 @@ class Sweep {
 
 }  // namespace
 
-int run_sweep(const SweepChoices& choices, MpiSession* mpi) { return Sweep(choices, mpi).run(); }
+int run_sweep(const SweepChoices& choices) { return Sweep(choices).run(); }
 
 }  // namespace prehend::tools

@@ -1,14 +1,12 @@
 #pragma once
 
 #include "tools/sweep/choices.h"
-#include "tools/sweep/mpi_workers.h"
 
 namespace prehend::tools {
 
 /// Does what `prehend sweep` was asked for. Returns main()'s exit code: 0 when all that ran is
 /// done, 1 when something failed, 130 when it was stopped. @throws std::exception for what is wrong
 /// with the description, the folder, the program.
-/// `mpi`: whose ranks run the cases; none: child processes here.
-int run_sweep(const SweepChoices& choices, MpiSession* mpi);
+int run_sweep(const SweepChoices& choices);
 
 }  // namespace prehend::tools
