@@ -320,8 +320,10 @@ class Pair {
     const auto [b0, b1] = b_.foremost_edge(n_);
     const Vector3d u = a1 - a0, v = b1 - b0;
     const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
-    const Vector3d first = a0 + b0;
-    const auto middle = [&](double s, double t) { add(0.5 * (first + s * u + t * v), -best_); };
+    // Bindings by name: clang takes them no other way.
+    const auto middle = [&, a0 = a0, b0 = b0](double s, double t) {
+      add(0.5 * (a0 + s * u + b0 + t * v), -best_);
+    };
     const auto clamped = [](double x) { return std::clamp(x, 0.0, 1.0); };
     if (uu > 0 && vv > 0 && uu * vv - uv * uv > 4e-4 * uu * vv) {
       const double s =
