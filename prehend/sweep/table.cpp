@@ -66,14 +66,15 @@ ResultTable::ResultTable(const Description& description, const Cases& cases, Fin
       if (!known) columns_.push_back({column});
     }
   });
-  for_each_row([this](const std::vector<std::string>& row) {
+  std::vector<bool> has_value(columns_.size());
+  for_each_row([&](const std::vector<std::string>& row) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       columns_[i].kind = std::max(columns_[i].kind, kind_of(row[i]));
+      has_value[i] = has_value[i] || !row[i].empty();
     }
   });
-  // A column in which nothing stands is no number.
-  if (rows_ == 0) {
-    for (Column& column : columns_) column.kind = ColumnKind::kText;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (!has_value[i]) columns_[i].kind = ColumnKind::kText;
   }
 }
 

@@ -20,7 +20,7 @@ using FindResult = std::function<std::optional<CaseResult>(const std::string& na
 enum class ColumnKind {
   kWhole,   ///< all are whole numbers of at most 15 digits and none is empty
   kNumber,  ///< all are numbers; empty ones mean that there is none
-  kText,
+  kText,    ///< others, and columns in which nothing stands
 };
 
 struct Column {

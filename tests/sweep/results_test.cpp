@@ -115,6 +115,14 @@ TEST_F(Results, MakeOneTable) {
   EXPECT_EQ(made.columns()[1].kind, ColumnKind::kWhole);
   EXPECT_EQ(made.columns()[2].kind, ColumnKind::kText);
   EXPECT_EQ(made.columns()[5].kind, ColumnKind::kNumber) << "whole numbers, but not everywhere";
+
+  ResultStore one(folder_.path("one.db"));
+  one.add({{"x=1", "", "", {{"none", "a"}, {{"", "2"}}}, 1, "w"}});
+  const ResultTable empty(description_, cases,
+                          [&](const std::string& name) { return one.find(name); });
+  EXPECT_EQ(empty.columns()[3].kind, ColumnKind::kText) << "no problem stands in it";
+  EXPECT_EQ(empty.columns()[4].kind, ColumnKind::kText) << "nothing stands in it";
+  EXPECT_EQ(empty.columns()[5].kind, ColumnKind::kWhole);
 }
 
 }  // namespace

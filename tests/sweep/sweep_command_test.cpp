@@ -149,7 +149,9 @@ timeout: 1
 }
 
 TEST_F(SweepCommand, WrongWordsAreRefusedBeforeAnythingRuns) {
-  EXPECT_THAT(run("x", {"--export", "table.xls"}), HasSubstr(".csv"));
+  EXPECT_THAT(run("x", {"--export", "table.xls"}), HasSubstr(".csv or .h5"));
+  EXPECT_NE(exit_code_, 0);
+  EXPECT_THAT(run("x", {"--export-costs", "costs.h5"}), HasSubstr("Name a .csv file"));
   EXPECT_NE(exit_code_, 0);
   EXPECT_THAT(run("x", {"--part", "4/3"}), HasSubstr("no part"));
   EXPECT_FALSE(fs::exists(folder_.path("x") + "/cases"));

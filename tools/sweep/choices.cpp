@@ -29,7 +29,7 @@ void add_sweep_options(CLI::App& app, SweepChoices& choices) {
       app.add_flag("--status", choices.status, "Run nothing; say what is done and what failed");
   CLI::Option* list = app.add_flag("--list", choices.list, "Run nothing; print the cases' names");
   app.add_option("--export", choices.export_file,
-                 "Write the table of all results, FILE.csv, after what runs");
+                 "Write the table of all results, FILE.csv or FILE.h5 (HDF5), after what runs");
   app.add_option("--export-costs", choices.export_costs,
                  "Write how long each case took, FILE.csv, after what runs");
   part->excludes(slurm)->excludes(merge)->excludes(again);

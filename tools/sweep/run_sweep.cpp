@@ -13,6 +13,7 @@
 #include "prehend/text/input_error.h"
 #include "tools/sweep/case_program.h"
 #include "tools/sweep/folder.h"
+#include "tools/sweep/hdf5_table.h"
 #include "tools/sweep/run_cases.h"
 #include "tools/sweep/said.h"
 #include "tools/sweep/slurm_array.h"
@@ -34,11 +35,8 @@ class Sweep {
         description_(sweep::read_description(choices.file, lines_of)),
         cases_(description_),
         program_(case_program(description_.program)) {
-    for (const std::string* table : {&choices.export_file, &choices.export_costs}) {
-      if (!table->empty() && fs::path(*table).extension() != ".csv") {
-        throw InputError("A table cannot be written as '" + *table + "'", "Name a .csv file");
-      }
-    }
+    check_table(choices.export_file, true);
+    check_table(choices.export_costs, false);
   }
 
   int run() {
@@ -52,6 +50,17 @@ class Sweep {
   }
 
  private:
+  // Before anything runs.
+  static void check_table(const std::string& file, bool may_be_hdf5) {
+    const fs::path extension = fs::path(file).extension();
+    if (file.empty() || extension == ".csv") return;
+    if (extension != ".h5" || !may_be_hdf5) {
+      throw InputError("A table cannot be written as '" + file + "'",
+                       may_be_hdf5 ? "Name a .csv or .h5 file" : "Name a .csv file");
+    }
+    check_hdf5();
+  }
+
   int list() const {
     for (std::int64_t i = 0; i < cases_.size(); ++i) {
       const std::string name = cases_.at(i).name;
@@ -214,7 +223,11 @@ class Sweep {
     if (!choices_.export_file.empty()) {
       const fs::path file = choices_.export_file;
       const sweep::ResultTable table(description_, cases_, find);
-      sweep::write_csv(table, file);
+      if (file.extension() == ".csv") {
+        sweep::write_csv(table, file);
+      } else {
+        write_hdf5(table, fs::path(choices_.file).filename().string(), file);
+      }
       fmt::print("{}: {} rows{}\n", file.string(), table.rows(),
                  table.missing() > 0 ? fmt::format("; {} cases have no result yet and are left out",
                                                    table.missing())
