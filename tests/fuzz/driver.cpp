@@ -1,5 +1,5 @@
 // Runs a fuzz target without libFuzzer: PROGRAM FOLDER... feeds it every file of the folders, then
-// mutations of them with a fixed seed, for about five seconds. The input that ends the program by a
+// mutations of them with a fixed seed, for about two seconds. The input that ends the program by a
 // crash, or by taking longer than ten seconds, is left in the file finding-PROGRAM in the system's
 // temporary folder.
 
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr auto kMutationTime = std::chrono::seconds(5);
+constexpr auto kMutationTime = std::chrono::seconds(2);
 constexpr int kMostMutations = 200000;
 constexpr unsigned kLongestRun = 10;  // [s]
 constexpr std::size_t kLongestInput = 1 << 16;
