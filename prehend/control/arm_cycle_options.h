@@ -42,9 +42,10 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     using text::Knob;
     visit(Knob{"contact_force", self.contact_force, "N", 0.1, 1000,
                "at the wrist, that counts as contact on the approach"});
-    visit(Knob{"collision_force", self.collision_force, "N", 1, 10000,
-               "at the wrist, on every other way, beyond what is held: the arm has hit something "
-               "and stops"});
+    visit(Knob{
+        "collision_force", self.collision_force, "N", 1, 10000,
+        "at the wrist, on every other way, beyond what is held, and on the lift beyond what the "
+        "closed fingers press on the table: the arm has hit something and stops"});
     visit(Knob{"opening_speed", self.opening_speed, "", 0.01, 1,
                "of the hand, share of its joints' greatest"});
     visit(Knob{"rest_time", self.rest_time, "s", 0, 10,
