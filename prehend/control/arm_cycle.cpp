@@ -15,6 +15,7 @@ namespace {
 using motion::SegmentKind;
 
 constexpr double kMeetTime = 0.2;  // s, that a probe stands at what it has met
+constexpr double kFreeShare = 0.5;  // of the lift's limit: what the grip pressed down is clear
 constexpr const char* kLooksAgain = "lets go and looks again";
 
 // A probe is the last.
@@ -175,8 +176,8 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   if (stop_when_lost()) return;
   if (watch_held() || judge_lift() || watch_slip()) return;
   MotionStatus status = motion_status();
-  if (step_ == Step::kApproach && status == MotionStatus::kMoving &&
-      (hand_.touches() || (is_probe() && pads_meet()))) {
+  const bool meets = step_ == Step::kApproach && (hand_.touches() || (is_probe() && pads_meet()));
+  if (status == MotionStatus::kMoving && (meets || hits_on_lift())) {
     arm_.stop();
     status = MotionStatus::kContact;
   }
@@ -225,6 +226,15 @@ double ArmCycle::held_collision_force() const {
 // By which fingers that close press what they grip on what it stands on: the lift takes it away.
 double ArmCycle::pressed_force() const {
   return percepts_.wrist_force ? percepts_.wrist_force->norm() : 0;
+}
+
+// Only until that has gone is it allowed for: an arm that hits something above the table stops at
+// what counts on any other way.
+bool ArmCycle::hits_on_lift() {
+  if (step_ != Step::kLift) return false;
+  const double felt = pressed_force(), limit = held_collision_force();
+  lift_is_free_ = lift_is_free_ || felt < kFreeShare * limit;
+  return lift_is_free_ && felt > limit;
 }
 
 // Begins once the arm has come to rest; true until it has ended.

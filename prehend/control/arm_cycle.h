@@ -221,6 +221,7 @@ class ArmCycle : public Cycle {
   double contact_force_down() const;    // N, at which what is lowered is met
   double held_collision_force() const;  // N
   double pressed_force() const;         // N
+  bool hits_on_lift();
   std::optional<double> closure() const;
   double felt_contact(double borne) const;
   /// Gives up when what is held is lost; true then.
@@ -259,6 +260,7 @@ class ArmCycle : public Cycle {
   InspectionPort* inspection_ = nullptr;
   InspectionPort* lift_view_ = nullptr;
   bool lift_looked_at_ = false;      // in this attempt
+  bool lift_is_free_ = false;        // of what the grip pressed on the table
   ArmPercepts gripped_percepts_;     // when the lift began
   std::size_t view_ = 0;             // of the plan's
   int views_seen_ = 0;               // of this inspection

@@ -62,6 +62,7 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kLift:
       gripped_percepts_ = percepts_;
       begin_hold();
+      lift_is_free_ = false;
       begin_segment(Step::kLift, held_collision_force() + pressed_force());
       return;
     case Primitive::kMove:

@@ -45,7 +45,8 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{
         "collision_force", self.collision_force, "N", 1, 10000,
         "at the wrist, on every other way, beyond what is held, and on the lift beyond what the "
-        "closed fingers press on the table: the arm has hit something and stops"});
+        "closed fingers press on the table until that is gone: the arm has hit something and "
+        "stops"});
     visit(Knob{"opening_speed", self.opening_speed, "", 0.01, 1,
                "of the hand, share of its joints' greatest"});
     visit(Knob{"rest_time", self.rest_time, "s", 0, 10,

@@ -117,6 +117,35 @@ TEST(ArmCycle, WhatAGripPressesOnTheTableDoesNotStopTheLift) {
   EXPECT_NEAR(f.arm.forces[asked_before], ArmCycleOptions{}.collision_force + 170, 10);
 }
 
+TEST(ArmCycle, WhatIsHitOnTheLiftStopsItOnceTheTableIsLeft) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  const auto step = [&](double pressed) {
+    f.now.time += 0.02;
+    f.felt();
+    f.now.wrist_force->z() += pressed;
+    cycle.step(f.now);
+  };
+  for (int i = 0; i < 4000 && !cycle.finished() && cycle.phase() != Phase::kLift; ++i) {
+    f.arm.says[f.arm.asked.size() + 1] =
+        cycle.phase() == Phase::kGrasp ? MotionStatus::kMoving : MotionStatus::kReached;
+    step(cycle.phase() == Phase::kGrasp ? 170 : 0);
+  }
+  ASSERT_EQ(cycle.phase(), Phase::kLift) << cycle.result().reason;
+  step(170);
+  step(90);
+  EXPECT_EQ(f.arm.stops, 0) << "before it has left the table";
+  step(0);
+  EXPECT_EQ(f.arm.stops, 0);
+  step(90);
+  EXPECT_GT(f.arm.stops, 0);
+  f.run(cycle);
+  EXPECT_NE(cycle.result().reason.find("the arm hit something"), std::string::npos)
+      << cycle.result().reason;
+}
+
 // Regression: a hand that had come down on a cup that was hidden pressed on it with 360 N, and its
 // retreat failed by that at once.
 TEST(ArmCycle, GoesUpFromWhatItPressesOnBeforeItRetreats) {
