@@ -6,8 +6,6 @@
 #include <optional>
 
 #include "eval/structured_light.h"
-#include "prehend/perception/segmentation.h"
-#include "prehend/perception/stereo.h"
 #include "prehend/surface/deviation.h"
 
 namespace prehend::eval {
@@ -74,22 +72,24 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
 }
 
 geometry::DepthImage seen_depth(const RenderedScene& rendered,
-                                const simulation::StereoImages& images) {
+                                const simulation::StereoImages& images,
+                                const perception::StereoOptions& options) {
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
   if (rendered.sensor == DepthSensor::kStructuredLight) {
     return structured_light(images.depth, images.labels, camera.left,
                             {.missing = rendered.missing, .seed = rendered.scene.camera.seed});
   }
   return perception::depth_from_disparity(
-      perception::disparity_by_sgbm(images.left, images.right, camera), camera);
+      perception::match_stereo(images.left, images.right, camera, options).disparity, camera);
 }
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,
-                                      const geometry::DepthImage& depth) {
+                                      const geometry::DepthImage& depth,
+                                      const perception::SegmentationOptions& options) {
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
   return perception::segment(perception::cloud_from_depth(depth, camera.left, images.left),
-                             camera.left, rendered.scene.camera.X_WC());
+                             camera.left, rendered.scene.camera.X_WC(), options);
 }
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,

@@ -7,7 +7,8 @@
 #include "eval/case_result.h"
 #include "eval/data_sets.h"
 #include "eval/reconstruction_methods.h"
-#include "prehend/perception/segmented_scene.h"
+#include "prehend/perception/segmentation.h"
+#include "prehend/perception/stereo.h"
 #include "prehend/simulation/stereo_renderer.h"
 
 namespace prehend::eval {
@@ -22,13 +23,15 @@ std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
 
 /// What the scene's sensor measures: stereo matching of the rendered pair, or structured light.
 geometry::DepthImage seen_depth(const RenderedScene& rendered,
-                                const simulation::StereoImages& images);
+                                const simulation::StereoImages& images,
+                                const perception::StereoOptions& options = {});
 
 /// What segmentation makes of that depth.
 /// @throws geometry::InputError when it finds no table.
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,
-                                      const geometry::DepthImage& depth);
+                                      const geometry::DepthImage& depth,
+                                      const perception::SegmentationOptions& options = {});
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images);
 

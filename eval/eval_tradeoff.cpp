@@ -1,6 +1,7 @@
 // Speed against accuracy: sweeps a stage's knobs where the truth is known, keeps the front, and
 // chooses from it.
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -8,18 +9,21 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <thread>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
 #include "eval/case_runs.h"
+#include "eval/grasp/chain_sweep.h"
 #include "eval/grasp/plan_tradeoff.h"
 #include "eval/household_objects.h"
 #include "eval/shape_tradeoff.h"
 #include "eval/text_files.h"
 #include "eval/touch/tradeoff.h"
 #include "eval/touch/tradeoff_page.h"
+#include "prehend/fidelity/chain_settings.h"
 #include "prehend/fidelity/front.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"
@@ -27,7 +31,9 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/text/quantities.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -40,6 +46,8 @@ struct Options {
   std::string budget;
   std::string tolerance;
   bool quick = false;
+  std::string platform = "stage_pg70";
+  int processes = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 std::string processor() {
@@ -50,9 +58,10 @@ std::string processor() {
   return "unknown processor";
 }
 
-// Lengths in metres; shares as plain numbers.
+// Lengths in metres, as a chain's of its meshes; shares as plain numbers.
 double tolerance_of(const Options& options, const fidelity::Front& front) {
-  if (front.error_unit == "m") return text::parse_metres(options.tolerance);
+  if (front.error_unit == "m" || front.subject == "chain")
+    return text::parse_metres(options.tolerance);
   char* end = nullptr;
   const double share = std::strtod(options.tolerance.c_str(), &end);
   if (end == options.tolerance.c_str() || *end != '\0' || !(share > 0 && share < 1)) {
@@ -71,12 +80,12 @@ std::string error_text(const fidelity::Setting& setting, const fidelity::Front& 
 int choose(const Options& options,
            const std::function<void(const fidelity::Setting&)>& understand) {
   const fidelity::Front front = fidelity::read_front(options.front);
+  const double budget = options.budget.empty() ? 0 : text::parse_seconds(options.budget);
+  const double tolerance = options.tolerance.empty() ? 0 : tolerance_of(options, front);
   const fidelity::Setting& chosen =
-      options.budget.empty() ? fidelity::within_tolerance(front, tolerance_of(options, front))
-                             : fidelity::within_budget(front, text::parse_seconds(options.budget));
+      fidelity::choose_for_stage(front, budget, budget > 0 ? 0 : tolerance);
   // Both: the most accurate within the budget must also keep the tolerance.
-  if (!options.budget.empty() && !options.tolerance.empty() &&
-      chosen.error > tolerance_of(options, front)) {
+  if (budget > 0 && tolerance > 0 && fidelity::tolerated_error(front, chosen) > tolerance) {
     throw fidelity::UnreachableError(
         "No setting keeps both " + options.budget + " and " + options.tolerance,
         "Within the budget " + error_text(chosen, front) + " can be reached", chosen);
@@ -225,6 +234,17 @@ int sweep_touch(const Options& options) {
   return EXIT_SUCCESS;
 }
 
+int sweep_chain(const Options& options) {
+  eval::ChainSweep sweep;
+  sweep.platform = robot::platform_file(text::tree_file("config/robots"), options.platform);
+  sweep.out = options.out;
+  sweep.front = options.front;
+  sweep.machine = processor();
+  sweep.processes = options.processes;
+  sweep.quick = options.quick;
+  return eval::sweep_chains(sweep);
+}
+
 struct Subject {
   const char* name;
   const char* what;
@@ -242,6 +262,21 @@ constexpr Subject kSubjects[] = {
      [](const fidelity::Setting& setting) {
        grasp::PlannerOptions planner;
        fidelity::apply_plan_setting(setting, &planner);
+     }},
+    {"chain",
+     "from a stereo pair to ranked grasps with the arm's motions, and the lift; times are of one "
+     "processor, the error is a share of views, --tolerance of the meshes",
+     "300ms", "3mm", sweep_chain,
+     [](const fidelity::Setting& setting) {
+       fidelity::Front chain;
+       chain.subject = "chain";
+       fidelity::SeeingOptions seeing;
+       grasp::PlannerOptions planner;
+       fidelity::apply_seeing_setting(stage_setting(chain, setting, fidelity::Stage::kSeeing),
+                                      &seeing);
+       (void)fidelity::shape_options(stage_setting(chain, setting, fidelity::Stage::kShape));
+       fidelity::apply_plan_setting(stage_setting(chain, setting, fidelity::Stage::kPlan),
+                                    &planner);
      }},
     {"touch",
      "what soft pads feel; times are of each simulated second, the error is a share of the largest "
@@ -273,6 +308,12 @@ int main(int argc, char** argv) {
         "--tolerance", options.tolerance,
         std::string("choose the fastest within an error, e.g. ") + subject.example_tolerance);
     command->add_flag("--quick", options.quick, "few settings; leaves the front alone");
+    if (subject.sweep != sweep_chain) continue;
+    command->add_option("--platform", options.platform, "name or file of config/robots")
+        ->capture_default_str();
+    command->add_option("--processes", options.processes, "that run at a time")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
   }
   CLI11_PARSE(app, argc, argv);
   try {

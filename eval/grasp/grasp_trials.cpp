@@ -61,12 +61,14 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
       if (on != PlannedOn::kTruth && !seen) {
         throw geometry::InputError(result.problem, "Look from elsewhere");
       }
+      fidelity::ShapeOptions shapes;
+      shapes.completion.alternatives = setting.alternatives;
       const std::pair key(on, setting.alternatives);
       if (!first_look.contains(key)) {
         const double start = processor_time();
         first_look[key] = on == PlannedOn::kTruth
                               ? belief_of(truth.mesh_W, others_W)
-                              : believed_object(one, *seen, on, setting.alternatives);
+                              : believed_object(one, *seen, on, shapes);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       }
       int look = 0, recalled = 0;
@@ -82,8 +84,7 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
               memory.add(attempt, *believed.shape, believed.support_W, believed.object.mesh_W,
                          believed.others.meshes_W);
             }
-            believed = believed_object(one, see_object(one, X_moved * X_WB, ++look), on,
-                                       setting.alternatives);
+            believed = believed_object(one, see_object(one, X_moved * X_WB, ++look), on, shapes);
             if (believed.shape) {
               if (auto known = memory.recall(*believed.shape, believed.support_W)) {
                 believed.object = std::move(known->model);

@@ -18,13 +18,14 @@ namespace {
 using Shapes = std::vector<shape::SceneShape>;
 
 // As the node that plans takes them: what has no shape is no obstacle.
-planning::Neighbours neighbours_of(const SeenObject& seen, const Shapes& shapes) {
+planning::Neighbours neighbours_of(const SeenObject& seen, const Shapes& shapes,
+                                   const surface::ModelOptions& options) {
   planning::Neighbours others;
   for (std::size_t i = 0; i < seen.scene.objects.size(); ++i) {
     if (i == seen.index) continue;
     try {
       const geometry::Plane& support = support_of(seen.scene, seen.scene.objects[i]);
-      surface::ObjectModel model = surface::make_object_model(shapes[i].get(), support);
+      surface::ObjectModel model = surface::make_object_model(shapes[i].get(), support, options);
       others.meshes_W.push_back(std::move(model.mesh_W));
       std::move(model.convex_pieces_W.begin(), model.convex_pieces_W.end(),
                 std::back_inserter(others.pieces_W));
@@ -50,7 +51,14 @@ SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_
   const auto images = simulation::render_stereo(rendered.scene, rendered.bodies,
                                                 static_cast<std::uint32_t>(look), render);
   rendered.scene.camera.carried = X_WC;
-  SeenObject seen{seen_scene(rendered, images), 0};
+  return see_object(rendered, images, {});
+}
+
+SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
+                      const fidelity::SeeingOptions& options) {
+  SeenObject seen{seen_scene(rendered, images, seen_depth(rendered, images, options.stereo),
+                             options.segmentation),
+                  0};
   const std::optional<std::size_t> object = object_of(seen.scene, images.labels);
   if (!object) {
     throw geometry::InputError("The object was not found on the table",
@@ -61,16 +69,14 @@ SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_
 }
 
 Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planned_on,
-                       int alternatives) {
+                       fidelity::ShapeOptions options) {
   const perception::SegmentedScene& scene = seen.scene;
   const perception::ObjectHypothesis& object = scene.objects[seen.index];
-  shape::CompletionOptions options;
-  options.alternatives = alternatives;
-  options.other_methods = planned_on == PlannedOn::kPredicted;
+  options.completion.other_methods = planned_on == PlannedOn::kPredicted;
   const bool has_others = !one.data_set->viewing.others_B.empty();
   Shapes shapes;
   if (has_others || planned_on != PlannedOn::kDelaunay) {
-    shapes = shape::complete_scene(scene, options, {}, seen.index);
+    shapes = shape::complete_scene(scene, options.completion, {}, seen.index);
   }
   Belief belief;
   if (planned_on == PlannedOn::kDelaunay) {
@@ -78,9 +84,9 @@ Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planne
   } else {
     belief.support_W = support_of(scene, object);
     belief.shape = shapes[seen.index].get();
-    belief.object = surface::make_object_model(*belief.shape, belief.support_W);
+    belief.object = surface::make_object_model(*belief.shape, belief.support_W, options.model);
   }
-  if (has_others) belief.others = neighbours_of(seen, shapes);
+  if (has_others) belief.others = neighbours_of(seen, shapes, options.model);
   return belief;
 }
 

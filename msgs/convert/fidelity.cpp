@@ -2,11 +2,12 @@
 
 namespace prehend::convert {
 
-msgs::FidelityChoice to_message(const fidelity::Setting& setting) {
+msgs::FidelityChoice to_message(const fidelity::Setting& setting, const std::string& measured) {
   msgs::FidelityChoice message;
   message.set_knobs(fidelity::to_string(setting));
   message.set_seconds(setting.seconds);
   message.set_error(setting.error);
+  message.set_measured(measured);
   return message;
 }
 

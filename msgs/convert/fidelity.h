@@ -1,12 +1,14 @@
 #pragma once
 
+#include <string>
+
 #include "msgs/objects.pb.h"
 #include "prehend/fidelity/front.h"
 
 namespace prehend::convert {
 
 /// What was chosen from a front: the setting's knobs in words, what it cost and its error when the
-/// front was measured.
-msgs::FidelityChoice to_message(const fidelity::Setting& setting);
+/// front was measured; `measured` says so in words (fidelity::measured_text()).
+msgs::FidelityChoice to_message(const fidelity::Setting& setting, const std::string& measured = "");
 
 }  // namespace prehend::convert

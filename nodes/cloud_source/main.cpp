@@ -7,6 +7,7 @@
 #include "msgs/objects.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
+#include "nodes/stage_fidelity/stage_fidelity.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
@@ -42,14 +43,26 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
   return perception::read_recorded_cloud_options(scale, viewpoint, up, table);
 }
 
+// By the parameters, or by the front.
+perception::SegmentationOptions segmentation_options(const graph::Node& node,
+                                                     const nodes::StageFidelity& fidelity) {
+  fidelity::SeeingOptions options;
+  options.segmentation = nodes::segmentation_options(node);
+  if (const auto& chosen = fidelity.chosen()) {
+    fidelity::apply_seeing_setting(chosen->setting, &options);
+  }
+  return options.segmentation;
+}
+
 // A cloud without table or objects is an answer: it is published and the node stays.
-msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedCloud& recorded,
+msgs::ObjectHypotheses segment(graph::Node& node, const nodes::StageFidelity& fidelity,
+                               const perception::RecordedCloud& recorded,
                                perception::RecordedWorld world, msgs::ObjectHypotheses times,
                                nodes::StageClock& clock) {
   msgs::ObjectHypotheses message;
   try {
     const perception::SegmentedScene scene = perception::segment_recorded_cloud(
-        recorded, nodes::segmentation_options(node), nodes::table_options(node), world);
+        recorded, segmentation_options(node, fidelity), nodes::table_options(node), world);
     message = convert::to_message(scene);
     if (scene.objects.empty()) {
       message.set_problem(perception::why_no_objects(scene));
@@ -76,6 +89,7 @@ void run(graph::Node& node) {
                       "as several clouds of one scene need (view_merging)",
        .read_only = true});
   nodes::declare_segmentation_parameters(node, true);
+  const nodes::StageFidelity fidelity(node, fidelity::Stage::kSeeing, {"clustering"});
   const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
   const auto seen = node.advertise<msgs::PointCloud>("/camera/cloud", graph::QoS::latched());
   const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
@@ -105,7 +119,7 @@ void run(graph::Node& node) {
     const geometry::PointCloud& cloud_C = recorded.cloud_C;
     if (cloud_C.organized() && !cloud_C.colors.empty()) seen.publish(convert::to_message(cloud_C));
     message = segment(
-        node, recorded,
+        node, fidelity, recorded,
         world == "file" ? perception::RecordedWorld::kFile : perception::RecordedWorld::kTable,
         std::move(times), clock);
     for (const std::string& note : recorded.notes) message.add_notes(note);

@@ -78,12 +78,23 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   }
   const auto front = node.declare_parameter<std::string>(
       {.name = "front",
-       .default_value = text::tree_file("config/fidelity/plan.yaml"),
        .description =
-           "of a parallel gripper: measured front from which a budget chooses generators, rolls, "
-           "standoffs and robustness samples, which must not be given then; empty: these",
+           "measured front from which a budget chooses generators, rolls, standoffs and robustness "
+           "samples, which must not be given then: of plans of a parallel gripper, or of the whole "
+           "chain from images (config/fidelity/chain.yaml, chain_hand.yaml), whose budget counts "
+           "the stages before; empty: config/fidelity/plan.yaml of a parallel gripper; none: no "
+           "front",
        .read_only = true,
        .reads_file = true});
+  node.declare_parameter<double>(
+      {.name = "tolerance",
+       .default_value = 0.0,
+       .unit = "m",
+       .minimum = 0.0,
+       .description =
+           "with the front of a chain, instead of a budget: mean error of its meshes; the "
+           "fastest setting that keeps it",
+       .read_only = true});
   options.candidates.circles.rolls =
       node.declare_parameter<int>({.name = "rolls",
                                    .default_value = options.candidates.circles.rolls,
@@ -102,6 +113,21 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   if (node.is_parameter_given("standoffs")) {
     options.candidates.standoffs = options.candidates.circles.standoffs;
   }
+}
+
+// None where neither a budget nor a tolerance asks for one. Of a hand a budget alone ends its
+// planning: there is no default front.
+std::optional<fidelity::Front> front_to_choose_from(const graph::Node& node,
+                                                    const robot::Platform& platform,
+                                                    const grasp::PlannerOptions& options) {
+  auto file = node.parameter<std::string>("front");
+  const bool has_tolerance = node.parameter<double>("tolerance") > 0;
+  if (!(options.budget > 0) && !has_tolerance) return std::nullopt;
+  if (file.empty() && platform.hand.gripper) file = text::tree_file("config/fidelity/plan.yaml");
+  if (!file.empty() && file != "none") return fidelity::read_front(file);
+  if (!has_tolerance) return std::nullopt;
+  throw geometry::InputError("A tolerance is given without the front of a chain to choose from",
+                             "Give front, as config/fidelity/chain.yaml");
 }
 
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
@@ -168,13 +194,12 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   options.touch = touch.options;
   options.grip_force = nodes::declare_grip_force(node);
   nodes::refuse_touch_parameters(node, platform);
-  const auto front = node.parameter<std::string>("front");
-  const bool front_chooses = platform.hand.gripper && !front.empty() && options.grasps.budget > 0;
-  nodes::refuse_what_does_not_apply(node, platform, front_chooses);
-  if (front_chooses) {
-    const std::string chosen = fidelity::apply_plan_budget(fidelity::read_front(front),
-                                                           options.grasps.budget, &options.grasps);
-    node.log_info("chosen from {}: {}", front, chosen);
+  const std::optional<fidelity::Front> front = front_to_choose_from(node, platform, options.grasps);
+  nodes::refuse_what_does_not_apply(node, platform, front ? &*front : nullptr);
+  if (front) {
+    node.log_info("chosen from {}: {}", node.parameter<std::string>("front"),
+                  fidelity::apply_plan_front(*front, options.grasps.budget,
+                                             node.parameter<double>("tolerance"), &options.grasps));
   }
   return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
                                                    touch.chosen, std::move(task));

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/fidelity/chain_settings.h"
 #include "prehend/grasp/planner_options.h"
 #include "prehend/planning/decision.h"
 #include "prehend/planning/held_views.h"
@@ -26,7 +27,7 @@ void check(const graph::Node& node, const std::vector<std::string>& misfits,
 }  // namespace
 
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
-                                bool front_chooses) {
+                                const fidelity::Front* front) {
   std::vector<std::string> misfits;
   const text::ListKnobs list{"", &misfits};
   if (platform.hand.gripper) {
@@ -34,13 +35,15 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
     grasp::FingerOptions::knobs(fingers, list);
     check(node, misfits, "with a parallel gripper", "it is of hands with fingers");
   } else {
-    check(node, {"front"}, "with a hand of fingers", "it was measured with the parallel gripper");
+    if (front != nullptr && front->subject == fidelity::to_string(fidelity::Stage::kPlan)) {
+      check(node, {"front"}, "with a hand of fingers", "it was measured with the parallel gripper");
+    }
     grasp::PadOptions pads;
     grasp::PadOptions::knobs(pads, list);
     check(node, misfits, "with a hand of fingers",
           "the hand's model has its friction, and its motors set the force");
   }
-  if (!front_chooses) return;
+  if (front == nullptr) return;
   check(node, {"rolls", "standoffs", "robustness_samples"}, "beside a budget",
         "front and budget choose it");
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {

@@ -1,11 +1,13 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
-#include "nodes/shape_fidelity/shape_fidelity.h"
+#include "nodes/stage_fidelity/stage_fidelity.h"
+#include "prehend/fidelity/shape_settings.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/surface/model.h"
 
@@ -96,7 +98,7 @@ void declare_parameters(graph::Node& node) {
 }
 
 surface::ModelOptions model_options(const graph::Node& node,
-                                    const std::optional<nodes::ChosenShape>& chosen) {
+                                    const std::optional<nodes::ChosenStage>& chosen) {
   surface::ModelOptions o;
   const std::string method = node.parameter<std::string>("method");
   o.surface.method = method == kPclPoisson ? surface::SurfaceMethod::kPclPoisson
@@ -115,7 +117,7 @@ surface::ModelOptions model_options(const graph::Node& node,
   o.cloud.outliers.deviations = node.parameter<double>("outlier_deviations");
   o.convex_pieces.concavity = node.parameter<double>("concavity");
   if (chosen) {
-    const surface::ModelOptions& front = chosen->options.model;
+    const surface::ModelOptions front = fidelity::shape_options(chosen->setting).model;
     o.cloud.spacing = front.cloud.spacing;
     o.surface.method = front.surface.method;
     o.surface.fast_poisson.resolution = front.surface.fast_poisson.resolution;
@@ -134,7 +136,8 @@ class PoissonMeshing {
  public:
   explicit PoissonMeshing(graph::Node& node) : node_(node) {
     declare_parameters(node);
-    fidelity_.emplace(node);
+    fidelity_.emplace(node, fidelity::Stage::kShape,
+                      std::vector<std::string>{"method", "resolution", "depth", "spacing"});
     publisher_ = node.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(kMostObjects));
     subscription_ = node.subscribe<msgs::CompletedShape>(
         "/shapes", graph::QoS::queue(kMostObjects),
@@ -150,7 +153,7 @@ class PoissonMeshing {
       return message;
     }
     const std::string problem = node_.shield(fmt::format("object {}", shape.id()), [&] {
-      const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
+      const std::optional<nodes::ChosenStage>& chosen = fidelity_->chosen();
       surface::ModelTimes times;
       message = convert::to_message(surface::make_object_model(
           convert::from_message(shape),
@@ -202,7 +205,7 @@ class PoissonMeshing {
   }
 
   graph::Node& node_;
-  std::optional<nodes::ShapeFidelity> fidelity_;
+  std::optional<nodes::StageFidelity> fidelity_;
   graph::Publisher<msgs::ObjectModel> publisher_;
   graph::Subscription subscription_;
 };

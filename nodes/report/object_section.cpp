@@ -54,10 +54,8 @@ std::string completion_text(const msgs::CompletedShape& message) {
       message.vote(), message.hypotheses_tried(), 100 * message.evidence().contradicted(),
       100 * message.evidence().coincident());
   if (message.has_fidelity()) {
-    text +=
-        fmt::format(" Knobs chosen from the measured front: {} ({:.0f} ms and {:.2f} mm there).",
-                    message.fidelity().knobs(), 1e3 * message.fidelity().seconds(),
-                    1e3 * message.fidelity().error());
+    text += fmt::format(" Knobs chosen from the measured front: {} (there {}).",
+                        message.fidelity().knobs(), message.fidelity().measured());
   }
   if (message.evidence().open_vessel())
     text += " It is an open vessel: its walls are seen from one side each.";

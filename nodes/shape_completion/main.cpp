@@ -6,7 +6,8 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
-#include "nodes/shape_fidelity/shape_fidelity.h"
+#include "nodes/stage_fidelity/stage_fidelity.h"
+#include "prehend/fidelity/shape_settings.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/perception/masks.h"
 #include "prehend/shape/scene_completion.h"
@@ -85,7 +86,7 @@ void declare_parameters(graph::Node& node) {
 }
 
 shape::CompletionOptions completion_options(const graph::Node& node,
-                                            const std::optional<nodes::ChosenShape>& chosen) {
+                                            const std::optional<nodes::ChosenStage>& chosen) {
   const auto vote = node.parameter<std::string>("vote");
   const double depth_tolerance = node.parameter<double>("depth_tolerance");
   if (vote == "as_published") {
@@ -95,7 +96,7 @@ shape::CompletionOptions completion_options(const graph::Node& node,
   }
   shape::CompletionOptions o;
   if (chosen) {
-    o = chosen->options.completion;
+    o = fidelity::shape_options(chosen->setting).completion;
   } else {
     o.orientations = node.parameter<int>("orientations");
     o.shifts = node.parameter<int>("shifts");
@@ -103,7 +104,7 @@ shape::CompletionOptions completion_options(const graph::Node& node,
   }
   if (vote == "contradiction") o.vote = shape::VoteKind::kPublished;
   o.second_plane = node.parameter<bool>("second_plane");
-  o.alternatives = node.parameter<int>("alternatives");
+  if (!chosen) o.alternatives = node.parameter<int>("alternatives");
   o.other_methods = node.parameter<bool>("other_methods");
   o.max_angle = node.parameter<double>("max_angle") * kRadiansPerDegree;
   o.max_contradicted = node.parameter<double>("max_contradicted");
@@ -121,7 +122,9 @@ class ShapeCompletion {
   explicit ShapeCompletion(graph::Node& node) : node_(node) {
     declare_parameters(node);
     confidence_model_ = confidence_model(node);
-    fidelity_.emplace(node);
+    fidelity_.emplace(
+        node, fidelity::Stage::kShape,
+        std::vector<std::string>{"orientations", "shifts", "thinning", "alternatives"});
     publisher_ = node.advertise<msgs::CompletedShape>("/shapes", graph::QoS::latched(kMostObjects));
     subscription_ = node.subscribe<msgs::ObjectHypotheses>(
         "/objects", graph::QoS::queue(4),
@@ -204,7 +207,7 @@ class ShapeCompletion {
 
   graph::Node& node_;
   shape::ConfidenceModel confidence_model_;
-  std::optional<nodes::ShapeFidelity> fidelity_;
+  std::optional<nodes::StageFidelity> fidelity_;
   graph::Publisher<msgs::CompletedShape> publisher_;
   graph::Subscription subscription_;
 };

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "msgs/camera.pb.h"
 #include "msgs/convert/camera_images.h"
@@ -17,6 +18,7 @@
 #include "msgs/sensors.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
+#include "nodes/stage_fidelity/stage_fidelity.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/perception/dark_background.h"
@@ -168,6 +170,8 @@ class StereoSegmentation {
     declare_stereo_parameters(node);
     declare_method_parameters(node);
     nodes::declare_segmentation_parameters(node, false);
+    fidelity_.emplace(node, fidelity::Stage::kSeeing,
+                      std::vector<std::string>{"method", "eight_directions", "clustering"});
     const bool takes_depth = node.parameter<std::string>("input") == "depth";
     if (takes_depth) refuse_stereo_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
@@ -227,8 +231,7 @@ class StereoSegmentation {
     const geometry::StereoCamera camera = convert::from_message(taken_by_);
     const convert::StereoImages images = convert::from_message(pair);
     return perception::depth_from_disparity(
-        perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
-            .disparity,
+        perception::match_stereo(images.left, images.right, camera, seeing().stereo).disparity,
         camera);
   }
   static geometry::DepthImage depth_of(const msgs::DepthImage& message) {
@@ -284,14 +287,22 @@ class StereoSegmentation {
     publisher_.publish(std::move(message));
   }
 
+  // By the parameters' values now, or by the front.
+  fidelity::SeeingOptions seeing() const {
+    fidelity::SeeingOptions options{stereo_options(node_), nodes::segmentation_options(node_)};
+    if (const auto& chosen = fidelity_->chosen()) {
+      fidelity::apply_seeing_setting(chosen->setting, &options);
+    }
+    return options;
+  }
+
   msgs::ObjectHypotheses segment(const msgs::StereoPair& pair) {
     nodes::StageClock clock;
     msgs::ObjectHypotheses times;
     const geometry::StereoCamera camera = convert::from_message(taken_by_);
     const convert::StereoImages images = convert::from_message(pair);
     const perception::DisparityImage disparity =
-        perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
-            .disparity;
+        perception::match_stereo(images.left, images.right, camera, seeing().stereo).disparity;
     clock.end_stage(times, "disparity");
     const geometry::PointCloud cloud_C =
         perception::cloud_from_disparity(disparity, camera, images.left);
@@ -337,8 +348,8 @@ class StereoSegmentation {
       const perception::Table table =
           perception::find_table(cloud_C, nodes::table_options(node_), up_C);
       clock.end_stage(times, "table");
-      scene = perception::segment_on_table(cloud_C, camera.left, table, X_WC,
-                                           nodes::segmentation_options(node_));
+      scene =
+          perception::segment_on_table(cloud_C, camera.left, table, X_WC, seeing().segmentation);
     }
     if (node_.parameter<std::string>("world") == "table") {
       scene = perception::in_table_world(std::move(scene));
@@ -354,6 +365,7 @@ class StereoSegmentation {
   }
 
   graph::Node& node_;
+  std::optional<nodes::StageFidelity> fidelity_;
   graph::Publisher<msgs::ObjectHypotheses> publisher_;
   std::shared_ptr<const msgs::CameraInfo> info_;
   msgs::CameraInfo taken_by_;      // what is known of the camera of the present picture

@@ -6,14 +6,17 @@
 
 #include <fmt/format.h>
 
+#include "prehend/fidelity/chain_settings.h"
 #include "prehend/fidelity/knobs.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/grasp/generators/generator_registry.h"
 
 namespace prehend::fidelity {
 namespace {
 
 constexpr const char* kPlanSubject = "plan";
-constexpr double kOffset = 0.015;  // m, between positions across the fingers
+constexpr double kLeastBudget = 0.01;  // s, in which some candidates are tried
+constexpr double kOffset = 0.015;      // m, between positions across the fingers
 
 int whole_number(const std::string& knob, const std::string& text, int least) {
   const int value = knob_number<int>(kPlanSubject, knob, text);
@@ -67,19 +70,29 @@ void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options) 
   }
 }
 
-std::string apply_plan_budget(const Front& front, double seconds, grasp::PlannerOptions* options) {
+std::string apply_plan_front(const Front& front, double budget, double tolerance,
+                             grasp::PlannerOptions* options) {
+  if (tolerance > 0 && front.subject == kPlanSubject) {
+    throw geometry::InputError("A tolerance is of meshes, of which the front 'plan' says nothing",
+                               "Give a budget, or the front of the chain");
+  }
   Setting chosen;
   std::string note;
   try {
-    chosen = within_budget(front, seconds);
+    chosen = choose_for_stage(front, budget, tolerance);
   } catch (const UnreachableError& error) {
+    if (!(budget > 0)) throw;
     chosen = error.nearest();
     note = "; none is as fast as asked for, planning is cut off";
   }
-  apply_plan_setting(chosen, options);
-  options->budget = seconds;
-  return fmt::format("{} ({:.0f} ms, {:.0f} % not lifted at the first attempt{})",
-                     to_string(chosen), 1e3 * chosen.seconds, 100 * chosen.error, note);
+  const Setting own = stage_setting(front, chosen, Stage::kPlan);
+  apply_plan_setting(own, options);
+  if (budget > 0) {
+    const double before =
+        front.subject == kPlanSubject ? 0 : chosen.seconds - stage_seconds(chosen, Stage::kPlan);
+    options->budget = std::max(kLeastBudget, budget - before);
+  }
+  return fmt::format("{} ({}{})", to_string(own), measured_text(front, chosen), note);
 }
 
 }  // namespace prehend::fidelity

@@ -31,6 +31,8 @@ ShapeOptions shape_options(const Setting& setting) {
       options.completion.orientations = number<int>(knob, value);
     } else if (knob == "shifts") {
       options.completion.shifts = number<int>(knob, value);
+    } else if (knob == "alternatives") {
+      options.completion.alternatives = number<int>(knob, value);
     } else if (knob == "refine") {
       options.completion.refine = one_of(knob, value, "yes", "no");
     } else if (knob == "spacing") {

@@ -17,6 +17,7 @@ struct ShapeOptions {
 ///   thinning      voxels in which one point each votes, as a fraction of the extent
 ///   orientations  of the plane that are tried
 ///   shifts        of the plane that are tried
+///   alternatives  shapes by other planes on which grasps are tried, too
 ///   refine        yes | no: bisection round the best planes
 ///   spacing       m, leaf of the voxels that are meshed; 0: 1/90 of the extent
 ///   surface       fast | pcl: fast_poisson or pcl_poisson

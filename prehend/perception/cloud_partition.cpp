@@ -1,7 +1,6 @@
 #include "prehend/perception/cloud_partition.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -31,6 +30,38 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+// A point's voxel. Voxels compare as their coordinates z, y, x do; points of one by their indices.
+struct VoxelEntry {
+  std::uint64_t high = 0, low = 0;  // coordinates of 42 bits each, z first
+  int index = 0;
+
+  bool same_voxel(const VoxelEntry& other) const { return high == other.high && low == other.low; }
+  bool operator<(const VoxelEntry& other) const {
+    if (high != other.high) return high < other.high;
+    return low != other.low ? low < other.low : index < other.index;
+  }
+};
+
+constexpr std::int64_t kVoxelRange = std::int64_t{1} << 41;  // to both sides of the origin
+
+std::uint64_t voxel_coordinate(double scaled) {
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(scaled)) + kVoxelRange);
+}
+
+std::vector<VoxelEntry> sorted_entries(const std::vector<Eigen::Vector3f>& points,
+                                       const std::vector<int>& indices, double leaf_size) {
+  std::vector<VoxelEntry> entries;
+  entries.reserve(indices.size());
+  for (const int i : indices) {
+    const Eigen::Vector3d scaled = points[i].cast<double>() / leaf_size;
+    const std::uint64_t y = voxel_coordinate(scaled.y());
+    entries.push_back({voxel_coordinate(scaled.z()) << 21 | y >> 21,
+                       (y & 0x1fffff) << 42 | voxel_coordinate(scaled.x()), i});
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
 }  // namespace
 
 VoxelGrid make_voxel_grid(const std::vector<Eigen::Vector3f>& points,
@@ -43,28 +74,12 @@ VoxelGrid make_voxel_grid(const std::vector<Eigen::Vector3f>& points,
     }
     return grid;
   }
-  struct Entry {
-    std::array<std::int64_t, 3> key;  // z, y, x
-    int index;
-    bool operator<(const Entry& other) const {
-      return key != other.key ? key < other.key : index < other.index;
-    }
-  };
-  std::vector<Entry> entries;
-  entries.reserve(indices.size());
-  for (const int i : indices) {
-    const Eigen::Vector3d scaled = points[i].cast<double>() / leaf_size;
-    entries.push_back({{static_cast<std::int64_t>(std::floor(scaled.z())),
-                        static_cast<std::int64_t>(std::floor(scaled.y())),
-                        static_cast<std::int64_t>(std::floor(scaled.x()))},
-                       i});
-  }
-  std::sort(entries.begin(), entries.end());
+  const std::vector<VoxelEntry> entries = sorted_entries(points, indices, leaf_size);
   for (std::size_t first = 0; first < entries.size();) {
     std::size_t last = first;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     std::vector<int> members;
-    for (; last < entries.size() && entries[last].key == entries[first].key; ++last) {
+    for (; last < entries.size() && entries[last].same_voxel(entries[first]); ++last) {
       sum += points[entries[last].index].cast<double>();
       members.push_back(entries[last].index);
     }
@@ -136,6 +151,10 @@ PlaneOutline::PlaneOutline(const geometry::Plane& plane, const std::vector<Eigen
     area_twice += cross(corners_[i], corners_[(i + 1) % corners_.size()]);
   }
   if (area_twice < 0) std::reverse(corners_.begin(), corners_.end());
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Eigen::Vector2d edge = corners_[(i + 1) % corners_.size()] - corners_[i];
+    sides_.push_back({corners_[i], edge, edge.norm()});
+  }
 }
 
 Eigen::Vector2d PlaneOutline::flat(const Eigen::Vector3d& p) const {
@@ -144,9 +163,8 @@ Eigen::Vector2d PlaneOutline::flat(const Eigen::Vector3d& p) const {
 
 bool PlaneOutline::contains(const Eigen::Vector3d& p, double margin) const {
   const Eigen::Vector2d q = flat(p);
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const Eigen::Vector2d edge = corners_[(i + 1) % corners_.size()] - corners_[i];
-    if (cross(edge, q - corners_[i]) < -margin * edge.norm()) return false;
+  for (const Side& side : sides_) {
+    if (cross(side.edge, q - side.corner) < -margin * side.length) return false;
   }
   return true;
 }

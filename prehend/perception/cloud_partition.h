@@ -41,12 +41,18 @@ class PlaneOutline {
   double area() const;                            // m^2
 
  private:
+  struct Side {
+    Eigen::Vector2d corner, edge;  // m, the edge from that corner to the next
+    double length = 0;             // m
+  };
+
   Eigen::Vector2d flat(const Eigen::Vector3d& p) const;
 
   geometry::Plane plane_;
   Eigen::Vector3d x_;  // axes in the plane
   Eigen::Vector3d y_;
   std::vector<Eigen::Vector2d> corners_;  // counter-clockwise
+  std::vector<Side> sides_;
 };
 
 }  // namespace prehend::perception

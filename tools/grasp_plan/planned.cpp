@@ -76,7 +76,7 @@ grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
   if (choices.generators.empty() && options.budget > 0 && planned->hand.gripper) {
     refuse_chosen(choices);
     const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
-    planned->chosen = fidelity::apply_plan_budget(front, options.budget, &options);
+    planned->chosen = fidelity::apply_plan_front(front, options.budget, 0, &options);
   }
   options.candidates.seed = options.uncertainty.seed = choices.seed;
   options.preshapes = choices.preshapes;

@@ -1,0 +1,125 @@
+#include "eval/grasp/chain_sweep.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "eval/case_runs.h"
+#include "eval/grasp/chain_tradeoff.h"
+#include "eval/grasp/plan_tradeoff.h"
+#include "eval/text_files.h"
+#include "prehend/fidelity/front.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/report/charts.h"
+#include "prehend/report/page.h"
+
+namespace prehend::eval {
+namespace {
+
+bool holds_trials(const std::filesystem::path& file, std::size_t count) {
+  if (!std::filesystem::exists(file)) return false;
+  try {
+    return read_chain_trials(file).size() == count;
+  } catch (const geometry::InputError&) {
+    return false;  // it is run again
+  }
+}
+
+std::string grid_in_words(const ChainGrid& grid) {
+  std::string words;
+  for (std::size_t i = 0; i < grid.size(); ++i) words += to_string(grid.setting(i)) + "; ";
+  return words;
+}
+
+std::string foretold_in_words(const Foretold& foretold) {
+  return fmt::format(
+      "Foretold by the others, of {} chains that were left out: the time to within {:.1f} % at "
+      "worst "
+      "({:.1f} % in the mean), the mesh's error to {:.1f} % ({:.1f} %), the share that is not "
+      "lifted "
+      "to {:.3f} ({:.3f}) of the views.",
+      foretold.chains, 100 * foretold.worst_time, 100 * foretold.mean_time,
+      100 * foretold.worst_mesh, 100 * foretold.mean_mesh, foretold.worst_not_lifted,
+      foretold.mean_not_lifted);
+}
+
+void write_page(const ChainSweep& sweep, const std::vector<MeasuredChain>& measured,
+                const fidelity::Front& front, const std::string& foretold) {
+  report::LineChart chart{"From images to ranked grasps",
+                          "processor time [ms]",
+                          "not lifted at the first attempt [%]",
+                          {},
+                          {}};
+  report::Series all{"chains", {}, {}, false}, best{"front", {}, {}, true};
+  std::string csv = "milliseconds,seeing_ms,shape_ms,plan_ms,lifted,views,meshes,mesh_mm,knobs\n";
+  for (const MeasuredChain& chain : measured) {
+    const auto& others = chain.setting.other_errors;
+    all.points.emplace_back(1e3 * chain.setting.seconds, 100 * chain.setting.error);
+    csv += fmt::format("{:.2f},{:.2f},{:.2f},{:.2f},{},{},{},{:.3f},\"{}\"\n",
+                       1e3 * chain.setting.seconds, 1e3 * others[1].second, 1e3 * others[2].second,
+                       1e3 * others[3].second, chain.lifted, chain.views, chain.meshes,
+                       1e3 * others[0].second, to_string(chain.setting));
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const fidelity::Setting& setting : front.settings) {
+    best.points.emplace_back(1e3 * setting.seconds, 100 * setting.error);
+    rows.push_back(
+        {fmt::format("{:.0f}", 1e3 * setting.seconds), fmt::format("{:.1f}", 100 * setting.error),
+         fmt::format("{:.2f}", 1e3 * setting.other_errors[0].second), to_string(setting)});
+  }
+  chart.series = {all, best};
+  report::Page page("One budget for the whole chain");
+  page.add_paragraph("Measured on: " + front.machine + ". Error: " + front.error_name + ".");
+  page.add_chart(report::draw_line_chart(chart),
+                 "Every chain that was measured, and those that nothing beats");
+  page.add_table({"time [ms]", "not lifted [%]", "mesh off by [mm]", "setting"}, rows);
+  page.add_paragraph(foretold);
+  write_text(sweep.out / "chain.csv", csv);
+  page.write(sweep.out / "index.html");
+}
+
+}  // namespace
+
+int sweep_chains(const ChainSweep& sweep) {
+  const PlatformUnderTest platform(sweep.platform);
+  const ChainGrid grid = chain_grid(platform.hand(), sweep.quick);
+  const std::vector<DataSet> sets = data_sets_to_evaluate({});
+  const std::vector<Case> cases = views_to_sweep(sets, sweep.quick);
+  std::vector<std::string> names;
+  for (const Case& one : cases) names.push_back(platform.name() + "_" + one.result_name());
+  const CaseRunOptions runs{sweep.out, sweep.processes, false, grid_in_words(grid)};
+  std::printf("%zu chains on each of %zu views\n", grid.size(), cases.size());
+  const std::map<int, std::string> crashed = run_cases(
+      runs, names,
+      [&](int, const std::filesystem::path& file) { return holds_trials(file, grid.size()); },
+      [&](int i, const std::filesystem::path& file) {
+        write_chain_trials(file, run_chains(cases[i], platform, grid));
+      });
+  for (const auto& [i, how] : crashed) {
+    std::fprintf(stderr, "%s: %s; start again to try it again\n", names[i].c_str(), how.c_str());
+  }
+  if (!crashed.empty()) return EXIT_FAILURE;
+  std::vector<std::vector<ChainTrial>> views;
+  for (const std::string& name : names) views.push_back(read_chain_trials(case_file(runs, name)));
+  const std::vector<MeasuredChain> measured = measured_chains(grid, views);
+  const fidelity::Front front =
+      chain_front(measured, platform.name(),
+                  fmt::format("{}, processor time, {} rendered views, {} chains", sweep.machine,
+                              cases.size(), grid.size()));
+  const std::filesystem::path file = sweep.quick ? sweep.out / "chain.yaml" : sweep.front;
+  fidelity::write_front(file, front);
+  const std::string foretold = foretold_in_words(foretell(grid, measured));
+  write_page(sweep, measured, front, foretold);
+  for (const fidelity::Setting& setting : front.settings) {
+    std::printf("%6.0f ms, %4.1f %% not lifted, mesh off by %.2f mm: %s\n", 1e3 * setting.seconds,
+                100 * setting.error, 1e3 * setting.other_errors[0].second,
+                to_string(setting).c_str());
+  }
+  std::printf("%s\n%s\n%s\n", foretold.c_str(), file.c_str(), (sweep.out / "index.html").c_str());
+  return EXIT_SUCCESS;
+}
+
+}  // namespace prehend::eval

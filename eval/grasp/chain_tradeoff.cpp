@@ -1,0 +1,161 @@
+#include "eval/grasp/chain_tradeoff.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <utility>
+
+#include <Eigen/QR>
+
+#include "prehend/fidelity/chain_settings.h"
+
+namespace prehend::eval {
+namespace {
+
+using fidelity::Stage;
+
+constexpr std::array kStages{Stage::kSeeing, Stage::kShape, Stage::kPlan};
+constexpr std::size_t kLeftOut = 4;  // each fourth chain is foretold
+
+bool is_left_out(const MeasuredChain& chain) {
+  return (chain.levels[0] + chain.levels[1] + chain.levels[2]) % kLeftOut == 0;
+}
+
+double stage_time(const MeasuredChain& chain, std::size_t stage) {
+  return fidelity::stage_seconds(chain.setting, kStages[stage]);
+}
+
+// What of the others has the same settings of the stage and of the one before.
+double foretold_time(const MeasuredChain& chain, const std::vector<MeasuredChain>& measured) {
+  double total = 0;
+  for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
+    double sum = 0;
+    int count = 0;
+    for (const MeasuredChain& other : measured) {
+      if (is_left_out(other) || other.levels[stage] != chain.levels[stage]) continue;
+      if (stage > 0 && other.levels[stage - 1] != chain.levels[stage - 1]) continue;
+      sum += stage_time(other, stage);
+      ++count;
+    }
+    if (count > 0) total += sum / count;
+  }
+  return total;
+}
+
+// Least squares of a mean and an effect of each level but a stage's first.
+std::function<double(const MeasuredChain&)> additive(
+    const ChainGrid& grid, const std::vector<MeasuredChain>& measured,
+    const std::function<double(const MeasuredChain&)>& value) {
+  const std::array sizes{grid.seeing.size(), grid.shape.size(), grid.plan.size()};
+  const auto row_of = [sizes](const MeasuredChain& chain) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(
+        static_cast<Eigen::Index>(1 + sizes[0] + sizes[1] + sizes[2] - sizes.size()));
+    row[0] = 1;
+    std::size_t first = 1;
+    for (std::size_t stage = 0; stage < sizes.size(); ++stage) {
+      if (chain.levels[stage] > 0) {
+        row[static_cast<Eigen::Index>(first + chain.levels[stage] - 1)] = 1;
+      }
+      first += sizes[stage] - 1;
+    }
+    return row;
+  };
+  std::vector<Eigen::VectorXd> rows;
+  std::vector<double> values;
+  for (const MeasuredChain& chain : measured) {
+    if (is_left_out(chain)) continue;
+    rows.push_back(row_of(chain));
+    values.push_back(value(chain));
+  }
+  Eigen::MatrixXd system(rows.size(), rows.front().size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    system.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+  }
+  const Eigen::VectorXd effects = system.colPivHouseholderQr().solve(
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  return [effects, row_of](const MeasuredChain& chain) { return row_of(chain).dot(effects); };
+}
+
+double mesh_error(const MeasuredChain& chain) { return chain.setting.other_errors.front().second; }
+
+}  // namespace
+
+std::vector<MeasuredChain> measured_chains(const ChainGrid& grid,
+                                           const std::vector<std::vector<ChainTrial>>& views) {
+  std::vector<MeasuredChain> measured;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    MeasuredChain& chain = measured.emplace_back();
+    chain.setting = grid.setting(i);
+    chain.levels = grid.levels(i);
+    chain.views = static_cast<int>(views.size());
+    std::array<double, 3> seconds{};
+    double mesh = 0;
+    for (const std::vector<ChainTrial>& view : views) {
+      const ChainTrial& trial = view.at(i);
+      for (std::size_t stage = 0; stage < seconds.size(); ++stage) {
+        seconds[stage] += trial.seconds[stage] / chain.views;
+      }
+      chain.lifted += trial.lifted;
+      if (std::isnan(trial.mesh_error)) continue;
+      mesh += trial.mesh_error;
+      ++chain.meshes;
+    }
+    chain.setting.seconds = seconds[0] + seconds[1] + seconds[2];
+    chain.setting.error = static_cast<double>(chain.views - chain.lifted) / chain.views;
+    chain.setting.other_errors = {{"mesh", chain.meshes > 0 ? mesh / chain.meshes : kUnknown}};
+    for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
+      chain.setting.other_errors.emplace_back(fidelity::to_string(kStages[stage]), seconds[stage]);
+    }
+  }
+  return measured;
+}
+
+fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const std::string& platform,
+                            const std::string& machine) {
+  int most = 0;
+  for (const MeasuredChain& chain : measured) most = std::max(most, chain.meshes);
+  std::vector<fidelity::Setting> settings;
+  for (const MeasuredChain& chain : measured) {
+    if (chain.meshes == most) settings.push_back(chain.setting);
+  }
+  fidelity::Front front;
+  front.subject = "chain";
+  front.error_name =
+      "share of views that " + platform + " did not lift at the first attempt, of images";
+  front.error_unit = "of views";
+  front.other_errors = {{"mesh", "mean distance of the true surface to the mesh [m]"},
+                        {"seeing", "of the time, from images to objects [s]"},
+                        {"shape", "of the time, from those to meshes [s]"},
+                        {"plan", "of the time, to ranked grasps with the arm's motions [s]"}};
+  front.machine = machine;
+  front.settings = fidelity::pareto_front(std::move(settings));
+  return front;
+}
+
+Foretold foretell(const ChainGrid& grid, const std::vector<MeasuredChain>& measured) {
+  const auto mesh = additive(grid, measured, mesh_error);
+  const auto not_lifted =
+      additive(grid, measured, [](const MeasuredChain& chain) { return chain.setting.error; });
+  Foretold result;
+  for (const MeasuredChain& chain : measured) {
+    if (!is_left_out(chain)) continue;
+    ++result.chains;
+    const auto count = [](double off, double* worst, double* sum) {
+      *worst = std::max(*worst, off);
+      *sum += off;
+    };
+    count(std::abs(foretold_time(chain, measured) / chain.setting.seconds - 1), &result.worst_time,
+          &result.mean_time);
+    count(std::abs(mesh(chain) / mesh_error(chain) - 1), &result.worst_mesh, &result.mean_mesh);
+    count(std::abs(not_lifted(chain) - chain.setting.error), &result.worst_not_lifted,
+          &result.mean_not_lifted);
+  }
+  for (double* mean : {&result.mean_time, &result.mean_mesh, &result.mean_not_lifted}) {
+    *mean /= std::max(1, result.chains);
+  }
+  return result;
+}
+
+}  // namespace prehend::eval

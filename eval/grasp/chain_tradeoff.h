@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/grasp/chain_trial.h"
+
+namespace prehend::eval {
+
+/// One chain over all views.
+struct MeasuredChain {
+  fidelity::Setting setting;  // mean time; share of views not lifted at the first attempt; the mean
+                              // error of the meshes [m], and the mean time of each stage [s]
+  std::array<std::size_t, 3> levels{};  // of its stages, in the grid
+  int lifted = 0, meshes = 0, views = 0;
+};
+
+/// Means over the views, of which there is a list of trials each.
+std::vector<MeasuredChain> measured_chains(const ChainGrid& grid,
+                                           const std::vector<std::vector<ChainTrial>>& views);
+
+/// The front of the chains that gave a mesh of every view that the best of them gave one of.
+fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const std::string& platform,
+                            const std::string& machine);
+
+/// How well chains are foretold that nobody measured: a quarter of them is left out, and said by
+/// the others. A stage's time depends on its own setting and on that of the stage before; errors
+/// are the sum of what each setting changes of the mean.
+struct Foretold {
+  int chains = 0;
+  double worst_time = 0, mean_time = 0;              // share of the measured
+  double worst_mesh = 0, mean_mesh = 0;              // share of the measured
+  double worst_not_lifted = 0, mean_not_lifted = 0;  // of the views, difference
+};
+Foretold foretell(const ChainGrid& grid, const std::vector<MeasuredChain>& measured);
+
+}  // namespace prehend::eval

@@ -1,0 +1,235 @@
+#include "eval/grasp/chain_trial.h"
+
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "eval/case_runner.h"
+#include "eval/grasp/resting_pose.h"
+#include "eval/grasp/seen_object.h"
+#include "eval/processor_time.h"
+#include "prehend/fidelity/chain_settings.h"
+#include "prehend/fidelity/plan_settings.h"
+#include "prehend/fidelity/shape_settings.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/whole_file.h"
+
+namespace prehend::eval {
+namespace {
+
+using fidelity::Setting;
+using fidelity::Stage;
+using Knobs = std::vector<std::pair<std::string, std::string>>;
+
+Setting of_knobs(Knobs knobs) {
+  Setting setting;
+  setting.knobs = std::move(knobs);
+  return setting;
+}
+
+std::vector<Setting> seeing_settings() {
+  std::vector<Setting> settings;
+  for (const auto& [stereo, clustering] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"block_matching", "organized"},
+                                                                  {"semi_global", "organized"},
+                                                                  {"semi_global", "euclidean"}}) {
+    settings.push_back(of_knobs({{"stereo", stereo}, {"clustering", clustering}}));
+  }
+  return settings;
+}
+
+std::vector<Setting> shape_settings() {
+  const auto shape = [](const char* thinning, const char* orientations, const char* shifts,
+                        const char* refine, const char* spacing, const char* resolution,
+                        const char* alternatives) {
+    return of_knobs({{"thinning", thinning},
+                     {"orientations", orientations},
+                     {"shifts", shifts},
+                     {"refine", refine},
+                     {"spacing", spacing},
+                     {"surface", "fast"},
+                     {"resolution", resolution},
+                     {"alternatives", alternatives}});
+  };
+  return {shape("0.1", "15", "11", "no", "0.006", "32", "0"),
+          shape("0.04", "31", "21", "yes", "0.006", "32", "0"),
+          shape("0.02", "61", "41", "yes", "0.004", "64", "0"),
+          shape("0.02", "61", "41", "yes", "0", "64", "2")};
+}
+
+// A parallel gripper has many candidates that cost little each, a hand few that are closed.
+std::vector<Setting> plan_settings(const robot::HandModel& hand) {
+  const auto plan = [](const char* rolls, const char* standoffs, const char* offsets,
+                       const char* samples) {
+    return of_knobs({{"generators", "circles"},
+                     {"rolls", rolls},
+                     {"standoffs", standoffs},
+                     {"offsets", offsets},
+                     {"samples", samples}});
+  };
+  if (!hand.gripper) {
+    return {plan("3", "2", "1", "0"), plan("4", "2", "1", "4"), plan("6", "3", "1", "4"),
+            plan("6", "3", "1", "16")};
+  }
+  return {plan("6", "3", "1", "0"), plan("12", "4", "1", "4"), plan("12", "6", "3", "4"),
+          plan("12", "6", "3", "16")};
+}
+
+// What a stage gives, and the processor time of it.
+template <class Result>
+struct Timed {
+  std::optional<Result> result;  // none: it failed
+  double seconds = 0;
+};
+
+template <class Result>
+Timed<Result> timed(const std::function<Result()>& stage) {
+  Timed<Result> timed;
+  const double start = processor_time();
+  try {
+    timed.result = stage();
+  } catch (const std::exception&) {
+    // That chain does not lift it.
+  }
+  timed.seconds = processor_time() - start;
+  return timed;
+}
+
+ChainTrial planned_and_lifted(const PlatformUnderTest& platform, const Belief& belief,
+                              const TrueObject& truth, const Setting& plan) {
+  PlannerSetting planner;
+  planner.change = [&plan](grasp::PlannerOptions* options) {
+    fidelity::apply_plan_setting(plan, options);
+  };
+  ChainTrial trial;
+  try {
+    const GraspTrial tried =
+        platform.grasp(belief, truth, planner,
+                       [](const geometry::RigidTransform&, const belief::Attempt&) -> Belief {
+                         throw geometry::InputError("The first attempt alone counts", "");
+                       });
+    trial.seconds[2] = tried.plan_seconds;
+    trial.planned = tried.attempts > 0;
+    trial.lifted = tried.lifted_at_first();
+  } catch (const std::exception&) {
+    // Not lifted.
+  }
+  return trial;
+}
+
+}  // namespace
+
+std::array<std::size_t, 3> ChainGrid::levels(std::size_t chain) const {
+  return {chain / (shape.size() * plan.size()), chain / plan.size() % shape.size(),
+          chain % plan.size()};
+}
+
+Setting ChainGrid::setting(std::size_t chain) const {
+  const auto [s, h, p] = levels(chain);
+  Setting whole;
+  for (const auto& [stage, own] :
+       {std::pair(Stage::kSeeing, &seeing[s]), std::pair(Stage::kShape, &shape[h]),
+        std::pair(Stage::kPlan, &plan[p])}) {
+    for (const auto& [knob, value] : own->knobs) {
+      whole.knobs.emplace_back(fmt::format("{}.{}", fidelity::to_string(stage), knob), value);
+    }
+  }
+  return whole;
+}
+
+ChainGrid chain_grid(const robot::HandModel& hand, bool quick) {
+  ChainGrid grid{seeing_settings(), shape_settings(), plan_settings(hand)};
+  if (!quick) return grid;
+  for (std::vector<Setting>* stage : {&grid.seeing, &grid.shape, &grid.plan}) {
+    *stage = {stage->front(), stage->back()};
+  }
+  return grid;
+}
+
+std::vector<ChainTrial> run_chains(const Case& one, const PlatformUnderTest& platform,
+                                   const ChainGrid& grid) {
+  const geometry::TriangleMesh& mesh_B = *one.data_set->mesh_B;
+  const double mass = household_mass(geometry::mass_properties(mesh_B).volume);
+  const geometry::RigidTransform X_WB = resting_pose(mesh_B, one.X_WB(), mass, {});
+  const TrueObject truth{geometry::transformed(mesh_B, X_WB), mass, {}};
+  RenderedScene rendered = scene_of(one);
+  rendered.bodies.front().X_WB = X_WB;
+  simulation::RenderOptions render;
+  render.threads = 1;
+  const auto images = simulation::render_stereo(rendered.scene, rendered.bodies, 0, render);
+
+  std::vector<ChainTrial> trials;
+  for (const Setting& seeing : grid.seeing) {
+    fidelity::SeeingOptions see;
+    fidelity::apply_seeing_setting(seeing, &see);
+    const auto seen = timed<SeenObject>([&] { return see_object(rendered, images, see); });
+    for (const Setting& shape : grid.shape) {
+      Timed<Belief> belief;
+      ChainTrial shared;
+      if (seen.result) {
+        belief = timed<Belief>([&] {
+          return believed_object(one, *seen.result, PlannedOn::kPredicted,
+                                 fidelity::shape_options(shape));
+        });
+      }
+      shared.seconds = {seen.seconds, belief.seconds, 0};
+      if (belief.result) {
+        shared.mesh_error =
+            measured(geometry::transformed(belief.result->object.mesh_W, X_WB.inverse()), mesh_B,
+                     one.seed)
+                .mean;
+      }
+      for (const Setting& plan : grid.plan) {
+        ChainTrial& trial = trials.emplace_back();
+        if (belief.result) trial = planned_and_lifted(platform, *belief.result, truth, plan);
+        trial.seconds[0] = shared.seconds[0];
+        trial.seconds[1] = shared.seconds[1];
+        trial.mesh_error = shared.mesh_error;
+      }
+    }
+  }
+  return trials;
+}
+
+void write_chain_trials(const std::filesystem::path& file, const std::vector<ChainTrial>& trials) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(9);
+  out << YAML::BeginSeq;
+  for (const ChainTrial& trial : trials) {
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "seconds" << YAML::Value << YAML::Flow
+        << YAML::BeginSeq;
+    for (const double seconds : trial.seconds) out << seconds;
+    out << YAML::EndSeq << YAML::Key << "mesh_error" << YAML::Value << trial.mesh_error << YAML::Key
+        << "planned" << YAML::Value << trial.planned << YAML::Key << "lifted" << YAML::Value
+        << trial.lifted << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+  geometry::write_whole_file(file, out.c_str(), "The result");
+}
+
+std::vector<ChainTrial> read_chain_trials(const std::filesystem::path& file) {
+  try {
+    std::vector<ChainTrial> trials;
+    for (const YAML::Node& node : YAML::LoadFile(file.string())) {
+      ChainTrial& trial = trials.emplace_back();
+      for (std::size_t i = 0; i < trial.seconds.size(); ++i) {
+        trial.seconds[i] = node["seconds"][i].as<double>();
+      }
+      trial.mesh_error = node["mesh_error"].as<double>();
+      trial.planned = node["planned"].as<bool>();
+      trial.lifted = node["lifted"].as<bool>();
+    }
+    return trials;
+  } catch (const YAML::Exception& error) {
+    throw geometry::InputError("'" + file.string() + "' is no result: " + error.what(),
+                               "Remove it to run the case again");
+  }
+}
+
+}  // namespace prehend::eval

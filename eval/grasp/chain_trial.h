@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/data_sets.h"
+#include "eval/grasp/platform_under_test.h"
+#include "prehend/fidelity/front.h"
+
+// The whole chain on one view: images, objects, shape, plan, lift.
+namespace prehend::eval {
+
+/// Which chains are measured: each setting of one stage with each of the others.
+struct ChainGrid {
+  std::vector<fidelity::Setting> seeing, shape, plan;  // with the stages' own knobs
+
+  std::size_t size() const { return seeing.size() * shape.size() * plan.size(); }
+  /// Of the chain's stages, by the index of the chain: plan changes fastest.
+  std::array<std::size_t, 3> levels(std::size_t chain) const;
+  /// Its knobs with their stages' names.
+  fidelity::Setting setting(std::size_t chain) const;
+};
+
+/// The chains that are measured for the front; `quick`: a few of them.
+ChainGrid chain_grid(const robot::HandModel& hand, bool quick);
+
+/// What one chain made of one view.
+struct ChainTrial {
+  std::array<double, 3> seconds{};  // of processor: seeing, shape, plan; 0: it did not come to that
+  double mesh_error = kUnknown;     // m, mean distance of the true surface to the mesh
+  bool planned = false;             // there is a grasp that the arm can execute
+  bool lifted = false;              // at the first attempt, carried, and put down
+};
+
+/// Renders the view's pair once and runs each chain of the grid on it; what stages share is
+/// computed once, and its time counts for each. What fails is a trial that has not lifted.
+std::vector<ChainTrial> run_chains(const Case& one, const PlatformUnderTest& platform,
+                                   const ChainGrid& grid);
+
+/// Writes the trials as YAML so that the file is whole or absent.
+/// @throws geometry::InputError when the folder cannot be written.
+void write_chain_trials(const std::filesystem::path& file, const std::vector<ChainTrial>& trials);
+/// @throws geometry::InputError naming the file when it is no result.
+std::vector<ChainTrial> read_chain_trials(const std::filesystem::path& file);
+
+}  // namespace prehend::eval

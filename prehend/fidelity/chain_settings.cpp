@@ -1,0 +1,145 @@
+#include "prehend/fidelity/chain_settings.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "prehend/fidelity/knobs.h"
+#include "prehend/geometry/errors.h"
+
+namespace prehend::fidelity {
+namespace {
+
+constexpr const char* kSeeingSubject = "seeing";
+constexpr const char* kMesh = "mesh";  // m, of Setting::other_errors
+constexpr std::array kStages{Stage::kSeeing, Stage::kShape, Stage::kPlan};
+
+bool is_chain(const Front& front) { return front.subject == "chain"; }
+
+const double* other_error(const Setting& setting, const std::string& name) {
+  for (const auto& [key, value] : setting.other_errors) {
+    if (key == name) return &value;
+  }
+  return nullptr;
+}
+
+double mesh_error(const Setting& setting) {
+  const double* error = other_error(setting, kMesh);
+  if (error == nullptr) {
+    throw geometry::InputError("The front of the chain does not say how far its meshes are off",
+                               "Measure it again with eval_tradeoff chain, or give a budget");
+  }
+  return *error;
+}
+
+const Setting& within_mesh_tolerance(const Front& front, double tolerance) {
+  if (front.settings.empty() || !(tolerance > 0)) {
+    throw std::invalid_argument("within_mesh_tolerance: no settings, or no positive tolerance");
+  }
+  const Setting *fastest = nullptr, *closest = &front.settings.front();
+  for (const Setting& setting : front.settings) {
+    const double error = mesh_error(setting);
+    if (error < mesh_error(*closest)) closest = &setting;
+    if (error > tolerance) continue;
+    if (fastest == nullptr || setting.seconds < fastest->seconds) fastest = &setting;
+  }
+  if (fastest != nullptr) return *fastest;
+  throw UnreachableError(
+      fmt::format("No setting of '{}' has a mesh that is off by at most {:.4g} mm", front.subject,
+                  1e3 * tolerance),
+      fmt::format("Allow as much as the most accurate one: {:.4g} ms, {:.4g} mm",
+                  1e3 * closest->seconds, 1e3 * mesh_error(*closest)),
+      *closest);
+}
+
+}  // namespace
+
+const char* to_string(Stage stage) {
+  switch (stage) {
+    case Stage::kSeeing:
+      return kSeeingSubject;
+    case Stage::kShape:
+      return "shape";
+    case Stage::kPlan:
+      return "plan";
+  }
+  return "";
+}
+
+void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
+  for (const auto& [knob, value] : setting.knobs) {
+    if (knob == "stereo") {
+      const bool block = value == "block_matching", eight = value == "eight_directions";
+      if (!block && !eight && value != "semi_global") refuse_knob(kSeeingSubject, knob, value);
+      options->stereo.method =
+          block ? perception::StereoMethod::kBlockMatching : perception::StereoMethod::kSemiGlobal;
+      options->stereo.eight_directions = eight;
+    } else if (knob == "clustering") {
+      options->segmentation.clustering =
+          knob_is(kSeeingSubject, knob, value, "organized", "euclidean")
+              ? perception::Clustering::kOrganized
+              : perception::Clustering::kEuclidean;
+    } else {
+      unknown_knob(kSeeingSubject, knob);
+    }
+  }
+}
+
+Setting stage_setting(const Front& front, const Setting& setting, Stage stage) {
+  if (front.subject == to_string(stage)) return setting;
+  if (!is_chain(front)) {
+    throw geometry::InputError(
+        fmt::format("The front of '{}' says nothing of '{}'", front.subject, to_string(stage)),
+        fmt::format("Name one of '{}', or config/fidelity/chain.yaml", to_string(stage)));
+  }
+  Setting own = setting;
+  own.knobs.clear();
+  for (const auto& [knob, value] : setting.knobs) {
+    const std::size_t dot = std::min(knob.find('.'), knob.size());
+    const std::string of = knob.substr(0, dot);
+    if (std::none_of(kStages.begin(), kStages.end(),
+                     [&](Stage known) { return of == to_string(known); })) {
+      unknown_knob("chain", knob);
+    }
+    if (of == to_string(stage)) own.knobs.emplace_back(knob.substr(dot + 1), value);
+  }
+  return own;
+}
+
+double stage_seconds(const Setting& setting, Stage stage) {
+  const double* seconds = other_error(setting, to_string(stage));
+  if (seconds == nullptr) {
+    throw geometry::InputError(
+        fmt::format("The front of the chain does not say how long '{}' took", to_string(stage)),
+        "Measure it again with eval_tradeoff chain");
+  }
+  return *seconds;
+}
+
+std::string measured_text(const Front& front, const Setting& setting) {
+  const std::string time = fmt::format("{:.3g} ms", 1e3 * setting.seconds);
+  if (front.error_unit == "m") return fmt::format("{}, {:.2f} mm", time, 1e3 * setting.error);
+  if (front.subject == to_string(Stage::kPlan)) {
+    return fmt::format("{}, {:.0f} % not lifted at the first attempt", time, 100 * setting.error);
+  }
+  if (!is_chain(front)) return fmt::format("{}, {:.3g} {}", time, setting.error, front.error_unit);
+  return fmt::format(
+      "{} of processor from images to grasps, {:.3g} % of the views not lifted at the first "
+      "attempt, meshes {:.2f} mm off",
+      time, 100 * setting.error, 1e3 * mesh_error(setting));
+}
+
+double tolerated_error(const Front& front, const Setting& setting) {
+  return is_chain(front) ? mesh_error(setting) : setting.error;
+}
+
+const Setting& choose_for_stage(const Front& front, double budget, double tolerance) {
+  if (is_chain(front) && tolerance > 0 && !(budget > 0)) {
+    return within_mesh_tolerance(front, tolerance);
+  }
+  return choose(front, budget, tolerance);
+}
+
+}  // namespace prehend::fidelity

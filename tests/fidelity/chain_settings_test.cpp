@@ -1,0 +1,125 @@
+#include "prehend/fidelity/chain_settings.h"
+
+#include <string>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "prehend/fidelity/plan_settings.h"
+#include "prehend/fidelity/shape_settings.h"
+
+namespace prehend::fidelity {
+namespace {
+
+using geometry::InputError;
+using ::testing::HasSubstr;
+
+Setting chain(const std::string& stereo, const std::string& spacing, const std::string& rolls,
+              double seconds, double not_lifted, double mesh) {
+  Setting setting;
+  setting.knobs = {{"seeing.stereo", stereo}, {"shape.spacing", spacing}, {"plan.rolls", rolls}};
+  setting.seconds = seconds;
+  setting.error = not_lifted;
+  setting.other_errors = {
+      {"mesh", mesh}, {"seeing", 0.5 * seconds}, {"shape", 0.3 * seconds}, {"plan", 0.2 * seconds}};
+  return setting;
+}
+
+Front three_chains() {
+  Front front;
+  front.subject = "chain";
+  front.error_unit = "of views";
+  front.settings = {chain("block_matching", "0.006", "6", 0.1, 0.3, 0.004),
+                    chain("semi_global", "0.006", "8", 0.2, 0.1, 0.0025),
+                    chain("semi_global", "0.004", "12", 0.4, 0.05, 0.002)};
+  return front;
+}
+
+TEST(ChainSettings, EachStageTakesItsOwnKnobs) {
+  const Front front = three_chains();
+  const Setting& first = front.settings[0];
+  SeeingOptions seeing;
+  seeing.stereo.eight_directions = true;
+  apply_seeing_setting(stage_setting(front, first, Stage::kSeeing), &seeing);
+  EXPECT_EQ(seeing.stereo.method, perception::StereoMethod::kBlockMatching);
+  EXPECT_FALSE(seeing.stereo.eight_directions);
+  EXPECT_EQ(shape_options(stage_setting(front, first, Stage::kShape)).model.cloud.spacing, 0.006);
+  grasp::PlannerOptions plan;
+  apply_plan_setting(stage_setting(front, first, Stage::kPlan), &plan);
+  EXPECT_EQ(plan.candidates.circles.rolls, 6);
+  EXPECT_EQ(stage_setting(front, first, Stage::kPlan).seconds, first.seconds) << "of the chain";
+}
+
+TEST(ChainSettings, AFrontOfTheStageAloneIsTakenAsItIs) {
+  Front shape;
+  shape.subject = "shape";
+  shape.settings = {{{{"spacing", "0.003"}}, 0.1, 0.002}};
+  EXPECT_EQ(stage_setting(shape, shape.settings[0], Stage::kShape).knobs, shape.settings[0].knobs);
+  EXPECT_THROW(stage_setting(shape, shape.settings[0], Stage::kPlan), InputError);
+}
+
+TEST(ChainSettings, KnobsOfNoStageAndBadValuesAreRefused) {
+  Front front = three_chains();
+  for (const char* knob : {"touch.engine", "stereo", ".stereo", ""}) {
+    front.settings[0].knobs = {{knob, "x"}};
+    EXPECT_THROW(stage_setting(front, front.settings[0], Stage::kShape), InputError) << knob;
+  }
+  SeeingOptions seeing;
+  for (const auto& [knob, value] :
+       {std::pair{"stereo", "laser"}, std::pair{"clustering", "kmeans"}, std::pair{"leaf", "1"}}) {
+    EXPECT_THROW(apply_seeing_setting({{{knob, value}}, 0, 0}, &seeing), InputError)
+        << knob << " " << value;
+  }
+}
+
+// A budget chooses by what is lifted, a tolerance by the meshes, of which a chain's error is not.
+TEST(ChainSettings, ToleranceIsOfMeshes) {
+  const Front front = three_chains();
+  EXPECT_EQ(choose_for_stage(front, 0.25, 0).seconds, 0.2);
+  EXPECT_EQ(choose_for_stage(front, 0, 0.003).seconds, 0.2);
+  EXPECT_EQ(choose_for_stage(front, 0, 0.01).seconds, 0.1);
+  EXPECT_EQ(choose_for_stage(front, 0, 0.002).seconds, 0.4);
+  EXPECT_THROW(choose_for_stage(front, 0, 0.001), UnreachableError);
+  EXPECT_THROW(choose_for_stage(front, 0.01, 0), UnreachableError);
+  EXPECT_THROW(choose_for_stage(front, 1, 1), InputError) << "both";
+  Front silent = front;
+  for (Setting& setting : silent.settings) setting.other_errors.clear();
+  EXPECT_THROW(choose_for_stage(silent, 0, 0.003), InputError);
+}
+
+// What the stages before take is not left for planning.
+TEST(ChainSettings, PlanningEndsWithinTheBudgetOfTheChain) {
+  const Front front = three_chains();
+  grasp::PlannerOptions options;
+  EXPECT_THAT(apply_plan_front(front, 0.25, 0, &options), HasSubstr("10 % of the views"));
+  EXPECT_EQ(options.candidates.circles.rolls, 8);
+  EXPECT_NEAR(options.budget, 0.25 - 0.8 * 0.2, 1e-12);
+  EXPECT_THAT(apply_plan_front(front, 0.05, 0, &options), HasSubstr("cut off"));
+  EXPECT_GT(options.budget, 0);
+  options.budget = 0;
+  apply_plan_front(front, 0, 0.002, &options);
+  EXPECT_EQ(options.candidates.circles.rolls, 12);
+  EXPECT_EQ(options.budget, 0) << "a tolerance ends nothing";
+}
+
+TEST(ShippedChains, AreWholeAndUnderstood) {
+  for (const char* file : {"config/fidelity/chain.yaml", "config/fidelity/chain_hand.yaml"}) {
+    const Front front = read_front(file);
+    EXPECT_EQ(front.subject, "chain");
+    for (const Setting& setting : front.settings) {
+      SeeingOptions seeing;
+      grasp::PlannerOptions plan;
+      EXPECT_NO_THROW(apply_seeing_setting(stage_setting(front, setting, Stage::kSeeing), &seeing));
+      EXPECT_NO_THROW(shape_options(stage_setting(front, setting, Stage::kShape)));
+      EXPECT_NO_THROW(apply_plan_setting(stage_setting(front, setting, Stage::kPlan), &plan));
+      EXPECT_GT(tolerated_error(front, setting), 0);
+      EXPECT_NEAR(stage_seconds(setting, Stage::kSeeing) + stage_seconds(setting, Stage::kShape) +
+                      stage_seconds(setting, Stage::kPlan),
+                  setting.seconds, 1e-3 * setting.seconds);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace prehend::fidelity
