@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -294,7 +295,10 @@ class GraspPlanning {
                    fmt::format("planning with {} of {} models of the view as obstacles",
                                batch_.models().size(), ready.front()->object_count()));
     }
-    if (!ready.empty()) read_obstacles();
+    if (!ready.empty()) {
+      read_obstacles();
+      remedy_budget_left_ = platform_->remedy_budget();
+    }
     for (const auto& model : ready) {
       if (!node_.ok()) return;  // asked to end meanwhile
       plans_.publish(plan(*model));
@@ -362,7 +366,8 @@ class GraspPlanning {
       const auto known = nodes::GraspRecords::known(message);
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
-                             known, convert::load_of(message), probes_of(message));
+                             known, convert::load_of(message), probes_of(message),
+                             remedy_budget_left_);
     } catch (const geometry::InputError& error) {
       return without_grasps(msgs::GraspPlan::UNGRASPABLE, error.what());
     }
@@ -391,6 +396,10 @@ class GraspPlanning {
     const auto start = steady_clock::now();
     msgs::GraspPlan plan = plan_alone(message);
     const double seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
+    for (const auto& time : plan.times()) {
+      if (time.stage() != nodes::kRemediesStage) continue;
+      remedy_budget_left_ = std::max(0.0, remedy_budget_left_ - time.seconds());
+    }
     *plan.mutable_header() = message.header();
     plan.set_id(message.id());
     plan.set_object_count(message.object_count());
@@ -430,6 +439,7 @@ class GraspPlanning {
   double workspace_;
   nodes::ModelBatch batch_;
   std::map<std::uint32_t, planning::Neighbours> obstacles_;  // of the view, by object
+  double remedy_budget_left_ = 0;                            // s, of the view
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
   graph::Subscription results_, joints_, camera_;

@@ -72,7 +72,8 @@ msgs::GraspPlan PlatformPlanning::plan(
     const surface::ObjectModel& object, const geometry::Plane& table_W,
     const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
     grasp::GraspDatabase* database, const std::optional<grasp::PlacedObject>& known,
-    const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes) const {
+    const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
+    double remedy_budget) const {
   std::vector<Eigen::Vector3d> points;
   for (const auto& piece : object.convex_pieces_W) {
     points.insert(points.end(), piece.vertices.begin(), piece.vertices.end());
@@ -81,6 +82,7 @@ msgs::GraspPlan PlatformPlanning::plan(
   options.place = places_of(task_, points, options.place);
   options.load = load;
   options.probes = probes;
+  options.remedies.budget = remedy_budget;
   const planning::PlatformPlan plan =
       planner_.plan(object, table_W, neighbours, reachability, start_, options, database, known);
   msgs::GraspPlan message;
@@ -95,10 +97,14 @@ msgs::GraspPlan PlatformPlanning::plan(
     rejection.set_nearest_miss(rejected.nearest_miss);
   }
   convert::add_remedies(plan.remedies, &message);
+  const bool was_asked_for = options_.remedies.budget > 0;
+  if (was_asked_for && remedy_budget == 0 && message.outcome() != msgs::GraspPlan::GRASPABLE) {
+    message.set_remedies_incomplete(true);
+  }
   convert::add_choices(plan.choices, &message);
   if (plan.remedy_time > 0) {
     auto& time = *message.add_times();
-    time.set_stage("remedies");
+    time.set_stage(kRemediesStage);
     time.set_seconds(plan.remedy_time);
   }
   if (touch_fidelity_) *message.mutable_touch_fidelity() = *touch_fidelity_;

@@ -166,6 +166,30 @@ TEST_F(GraspPlanningNode, WhatIsTooWideComesWithWhatWouldHelp) {
   EXPECT_EQ(all.at(0).remedies_size(), 0);
 }
 
+// In clutter each look would else take the budget as often as there are objects without a grasp.
+TEST_F(GraspPlanningNode, TheObjectsOfAViewShareTheBudgetForWhatWouldHelp) {
+  start({"platform:=kr5_pg70", "approach:=down", "motions:=1", "remedy_budget:=0.001"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) {
+    auto wide = convert::to_message(surface::model_of_mesh(geometry::transformed(
+        geometry::make_box({0.08, 0.09, 0.12}),
+        geometry::make_transform(Eigen::Quaterniond::Identity(), {0, 0.2 * id, 0.06}))));
+    wide.mutable_header()->CopyFrom(carton(1, id, 0).header());
+    wide.set_id(id);
+    wide.set_object_count(3);
+    wide.set_valid(true);
+    *wide.mutable_table() = convert::to_message(geometry::Plane{});
+    models_.publish(wide);
+  }
+  const auto all = plans(1);
+  ASSERT_EQ(all.size(), 3u) << planning_->output();
+  int sought = 0;
+  for (const auto& [id, plan] : all) {
+    EXPECT_TRUE(plan.remedies_incomplete()) << id;
+    for (const auto& time : plan.times()) sought += time.stage() == "remedies";
+  }
+  EXPECT_EQ(sought, 1);
+}
+
 // With a platform the node once planned on circles whatever its generators said.
 TEST_F(GraspPlanningNode, APlatformTakesGenerators) {
   start({"platform:=kr5_sdh", "home:=side", "motions:=1", "generators:=[segments]"});
