@@ -110,7 +110,7 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/documentation_site/html DESTINATION shar
 # Debian packages: `make packages`, or `cpack -G DEB` in the build tree.
 file(STRINGS apt-packages.txt development_packages REGEX "-dev$")
 list(FILTER development_packages EXCLUDE REGEX
-     "gtest|gmock|benchmark|pybind11|python3|cyclonedds|roscpp|topic-tools|fastrtps|fastcdr")
+     "gtest|gmock|benchmark|mpi-dev|pybind11|python3|cyclonedds|roscpp|topic-tools|fastrtps|fastcdr")
 list(JOIN development_packages ", " development_packages)
 set(CPACK_PACKAGE_NAME prehend)
 set(CPACK_PACKAGE_VENDOR "the prehend developers")

@@ -41,7 +41,7 @@ ChildProgram::ChildProgram(const std::string& program, const std::vector<std::st
     : output_file_(output_file) {
   const char* folder = std::getenv("PREHEND_BIN");
   if (folder == nullptr) throw std::runtime_error("PREHEND_BIN is not set; run the test by ctest");
-  std::vector<std::string> words{std::string(folder) + "/" + program};
+  std::vector<std::string> words{(std::filesystem::path(folder) / program).string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

@@ -25,7 +25,8 @@ class ScratchDirectory {
 
 std::string text_of_file(const std::string& path);
 
-/// A program of the build's bin folder, started with its output in a file; killed at the end.
+/// A program of the build's bin folder, or of an absolute path, started with its output in a file;
+/// killed at the end.
 class ChildProgram {
  public:
   ChildProgram(const std::string& program, const std::vector<std::string>& arguments,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/launch/child_program.h"
+#include "tests/sweep/sweep_runs.h"
 
 namespace prehend::testing {
 namespace {
@@ -23,54 +23,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// 24 cases of a shell's `sleep`, which leave a table of two rows and their process in a file.
-constexpr const char* kSweep = R"(
-program: /bin/sh
-arguments:
-  - -c
-  - 'echo $$ > {folder}/process; sleep 0.2; printf "row,figure\n1,{a}\n2,{x}\n" > {folder}/r.csv'
-grid: {a: {from: 1, to: 8}}
-sample: {count: 3, seed: 2, x: {log_uniform: [0.01, 10]}}
-results: {csv: r.csv}
-timeout: 20
-)";
-
-class SweepCommand : public ::testing::Test {
- protected:
-  std::vector<std::string> words(const std::string& out, std::vector<std::string> more) const {
-    std::vector<std::string> all{"sweep", description_, "--out", folder_.path(out)};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }
-  /// The output; the exit code is in exit_code_.
-  std::string run(const std::string& out, std::vector<std::string> more) {
-    ChildProgram program("prehend", words(out, std::move(more)), folder_.path("output"));
-    exit_code_ = program.wait(std::chrono::seconds(60)).value_or(-1);
-    return program.output();
-  }
-  std::string csv(const std::string& out) {
-    run(out, {"--status", "--export", folder_.path(out + ".csv")});
-    return text_of_file(folder_.path(out + ".csv"));
-  }
-  /// Processes of cases that run now, by the cases' folders.
-  std::map<std::string, pid_t> cases_of(const std::string& out) const {
-    std::map<std::string, pid_t> running;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_.path(out) + "/cases")) {
-      if (entry.path().filename() != "process") continue;
-      const std::string text = text_of_file(entry.path());
-      const pid_t one = text.empty() ? 0 : std::stoi(text);
-      if (one > 0 && is_running(one)) running[entry.path().parent_path()] = one;
-    }
-    return running;
-  }
-  bool has_begun(const std::string& out) const {
-    return fs::exists(folder_.path(out) + "/cases") && !cases_of(out).empty();
-  }
-
-  ScratchDirectory folder_;
-  std::string description_ = folder_.write("s.yaml", kSweep);
-  int exit_code_ = -1;
-};
+class SweepCommand : public SweepRuns {};
 
 TEST_F(SweepCommand, OneWorkerOrManyOrPartsGiveTheSameBytes) {
   EXPECT_THAT(run("one", {"--workers", "1"}), HasSubstr("24 done, 0 failed"));

@@ -8,9 +8,10 @@ void add_sweep_options(CLI::App& app, SweepChoices& choices) {
   CLI::Option* out = app.add_option(
       "--out", choices.out,
       "Folder of results.db and of what cases write; what is there is not run again");
-  app.add_option("--workers", choices.workers, "Cases at a time; 0: one a processor")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
+  CLI::Option* workers =
+      app.add_option("--workers", choices.workers, "Cases at a time; 0: one a processor")
+          ->check(CLI::Range(0, 10000))
+          ->capture_default_str();
   app.add_option("--only", choices.only, "Cases whose names match, 'object=mug,*'");
   CLI::Option* again =
       app.add_option("--again", choices.again,
@@ -23,6 +24,15 @@ void add_sweep_options(CLI::App& app, SweepChoices& choices) {
       app.add_option("--slurm", choices.slurm,
                      "Run nothing; write OUT/array.sh, a Slurm array of so many parts")
           ->check(CLI::Range(1, 100000));
+  CLI::Option* mpi =
+      app.add_flag("--mpi", choices.mpi,
+                   "Under mpirun or srun: the first rank hands out, each other runs a case at a "
+                   "time");
+  app.add_option("--lost-after", choices.lost_after,
+                 "Seconds of a rank's silence after which another gets its case")
+      ->check(CLI::Range(2.0, 86400.0))
+      ->capture_default_str()
+      ->needs(mpi);
   CLI::Option* merge = app.add_flag("--merge", choices.merge,
                                     "Run nothing; take the results of parts into results.db");
   CLI::Option* status =
@@ -36,6 +46,8 @@ void add_sweep_options(CLI::App& app, SweepChoices& choices) {
   slurm->excludes(merge)->excludes(status)->needs(out);
   status->excludes(again)->excludes(merge)->excludes(part);
   list->excludes(again);
+  mpi->needs(out)->excludes(workers)->excludes(part)->excludes(slurm);
+  mpi->excludes(merge)->excludes(status)->excludes(list);
 }
 
 }  // namespace prehend::tools

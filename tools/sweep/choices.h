@@ -15,6 +15,8 @@ struct SweepChoices {
   int slurm = 0;     // parts; 0: none
   std::string export_file, export_costs;
   bool merge = false, status = false, list = false;
+  bool mpi = false;
+  double lost_after = 30;  // s, of a rank's silence
 };
 
 /// `choices` lives as long as the app.

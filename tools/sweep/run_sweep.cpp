@@ -14,6 +14,7 @@
 #include "tools/sweep/case_program.h"
 #include "tools/sweep/folder.h"
 #include "tools/sweep/hdf5_table.h"
+#include "tools/sweep/mpi_ranks.h"
 #include "tools/sweep/run_cases.h"
 #include "tools/sweep/said.h"
 #include "tools/sweep/slurm_array.h"
@@ -30,8 +31,10 @@ using text::InputError;
 
 class Sweep {
  public:
-  explicit Sweep(const SweepChoices& choices)
+  /// `ranks`: who runs the cases; nullptr: processes of this one do.
+  Sweep(const SweepChoices& choices, Workers* ranks)
       : choices_(choices),
+        ranks_(ranks),
         description_(sweep::read_description(choices.file, lines_of)),
         cases_(description_),
         program_(case_program(description_.program)) {
@@ -154,6 +157,12 @@ class Sweep {
     return open;
   }
 
+  std::unique_ptr<Workers> workers_for(std::int64_t cases) const {
+    const int asked = choices_.workers > 0 ? choices_.workers
+                                           : static_cast<int>(std::thread::hardware_concurrency());
+    return workers_here(static_cast<int>(std::min<std::int64_t>(std::max(1, asked), cases)));
+  }
+
   template <class Known>
   int run_open(ResultStore& store, const Known& others, const Part* part) {
     sweep::Handout handout(open_cases(store, others, part));
@@ -161,13 +170,11 @@ class Sweep {
       fmt::print("Nothing is open: each case has its result\n");
       return 0;
     }
-    const int asked = choices_.workers > 0 ? choices_.workers
-                                           : static_cast<int>(std::thread::hardware_concurrency());
-    const auto workers =
-        workers_here(static_cast<int>(std::min<std::int64_t>(std::max(1, asked), handout.total())));
+    std::unique_ptr<Workers> here;
+    if (!ranks_) here = workers_for(handout.total());
     SaidProgress said;
     const RunProgress progress = run_cases(
-        handout, *workers, store, [this](std::int64_t i) { return order(i); },
+        handout, ranks_ ? *ranks_ : *here, store, [this](std::int64_t i) { return order(i); },
         [&](const RunProgress& now) { said.say(now); });
     said.end();
     print_summary(progress);
@@ -237,6 +244,7 @@ class Sweep {
   }
 
   const SweepChoices& choices_;
+  Workers* const ranks_;
   const sweep::Description description_;
   const Cases cases_;
   const std::string program_;
@@ -246,6 +254,10 @@ class Sweep {
 
 }  // namespace
 
-int run_sweep(const SweepChoices& choices) { return Sweep(choices).run(); }
+int run_sweep(const SweepChoices& choices) {
+  if (!choices.mpi) return Sweep(choices, nullptr).run();
+  return hand_out_to_ranks(choices.lost_after,
+                           [&](Workers& ranks) { return Sweep(choices, &ranks).run(); });
+}
 
 }  // namespace prehend::tools

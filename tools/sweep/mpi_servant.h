@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "tools/sweep/case_process.h"
+#include "tools/sweep/mpi_messages.h"
+
+namespace prehend::tools {
+
+/// A rank that runs what rank 0 hands out, one case at a time.
+class MpiServant {
+ public:
+  /// `post` lives as long. Signals have to be held, hold_signals().
+  explicit MpiServant(MpiPost& post) : post_(post), where_(this_worker()) {}
+
+  /// Until rank 0 tells it to end, which it does also after a signal that this rank got and after
+  /// an error here, both of which it is told. The exit code: 1 after an error. @throws
+  /// std::runtime_error when nothing is heard of rank 0 any more.
+  int serve();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void listen();
+  void look_after_case();
+  void say_alive();
+  void leave();
+
+  MpiPost& post_;
+  const std::string where_;
+  std::unique_ptr<CaseProcess> running_;
+  Clock::time_point heard_ = Clock::now(), said_{};
+  bool is_leaving_ = false;  // and has told so
+  bool is_to_end_ = false;
+};
+
+}  // namespace prehend::tools
