@@ -54,9 +54,15 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command
       .add_option("--alternatives", choices.alternatives,
                   "shapes at most that the object of a cloud may have as well, by other planes of "
-                  "symmetry: grasps are tried on them too")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+                  "symmetry: grasps are tried on them too; default: 2")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--tolerance", choices.tolerance,
+                  "of a cloud: mean error of the mesh [m]; all stages as fast as that allows, by "
+                  "fidelity/chain.yaml in --config (chain_hand.yaml for other hands than the "
+                  "PG70). --budget [s of processor] chooses for a cloud from it, too: what lifts "
+                  "most within that from images to grasps")
+      ->check(CLI::Range(1e-6, 1.0));
   CLI::Option* hand =
       command
           .add_option("--hand", choices.hand,

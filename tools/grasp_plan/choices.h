@@ -21,7 +21,8 @@ struct PlanChoices {
   std::string split;                 // empty: tops
   bool in_place = false;
   int object = 0;
-  int alternatives = 2;
+  std::optional<int> alternatives;  // 2 for a cloud
+  double tolerance = 0;             // m, of a cloud's meshes; 0: none asked for
   std::string hand = "pg70";
   std::string platform;  // its hand counts; empty: none
   std::string approach = "any";

@@ -56,7 +56,8 @@ void refuse_chosen(const PlanChoices& choices) {
       "Give one of the two, or --generators");
 }
 
-grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
+grasp::PlannerOptions options_of(const PlanChoices& choices,
+                                 const std::optional<ChosenChain>& chain, Planned* planned) {
   grasp::PlannerOptions options = grasp::default_options(planned->hand);
   if (!choices.generators.empty()) {
     const grasp::GeneratorRegistry known;
@@ -73,7 +74,10 @@ grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
     grasp::FingerOptions::knobs(options.fingers, set);
   }
   refuse_misfits(given, "", "the hand " + planned->hand.name);
-  if (choices.generators.empty() && options.budget > 0 && planned->hand.gripper) {
+  if (chain) {
+    planned->chosen =
+        fidelity::apply_plan_front(chain->front, options.budget, choices.tolerance, &options);
+  } else if (choices.generators.empty() && options.budget > 0 && planned->hand.gripper) {
     refuse_chosen(choices);
     const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
     planned->chosen = fidelity::apply_plan_front(front, options.budget, 0, &options);
@@ -168,7 +172,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   const grasp::HandToClose hand(planned.hand);
   const grasp::Obstacles obstacles = obstacles_of(target);
   const grasp::Reachability reachability = reachability_of(choices, planned);
-  grasp::PlannerOptions options = options_of(choices, &planned);
+  grasp::PlannerOptions options = options_of(choices, target.chain, &planned);
   if (planned.platform) {
     options.reaches = planning::arm_reach_over_table(*planned.platform, scene_of(target), arm);
   }

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "prehend/fidelity/chain_settings.h"
+#include "prehend/fidelity/shape_settings.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
@@ -23,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::steady_clock;
+
+constexpr int kAlternatives = 2;  // by default
 
 double since(steady_clock::time_point start) {
   return std::chrono::duration<double>(steady_clock::now() - start).count();
@@ -147,6 +151,19 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   perception::SegmentationOptions segmentation;
   if (choices.split == "none") segmentation.split = perception::Splitting::kNone;
   if (choices.split == "touching") segmentation.split = perception::Splitting::kTouching;
+  fidelity::ShapeOptions shape_options;
+  shape_options.completion.alternatives = choices.alternatives.value_or(kAlternatives);
+  target.chain = chosen_chain(choices);
+  if (target.chain) {
+    const auto& [front, setting] = *target.chain;
+    fidelity::SeeingOptions seeing{{}, segmentation};
+    fidelity::apply_seeing_setting(stage_setting(front, setting, fidelity::Stage::kSeeing),
+                                   &seeing);
+    segmentation = seeing.segmentation;
+    shape_options = fidelity::shape_options(stage_setting(front, setting, fidelity::Stage::kShape));
+    target.notes.push_back("chosen: " + to_string(setting) + " (" + measured_text(front, setting) +
+                           ")");
+  }
   const perception::SegmentedScene scene =
       perception::segment_recorded_cloud(recorded, segmentation);
   target.times.emplace_back("segmentation", since(start));
@@ -165,7 +182,7 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   target.table_W = scene.table_W;
   start = steady_clock::now();
   progress.stage(fmt::format("completing {} objects", scene.objects.size()));
-  const auto shapes = shape::complete_scene(scene, {.alternatives = choices.alternatives}, {},
+  const auto shapes = shape::complete_scene(scene, shape_options.completion, {},
                                             static_cast<std::size_t>(choices.object));
   target.times.emplace_back("completion", since(start));
   for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
@@ -182,10 +199,11 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
       }
       const shape::CompletedShape& shape = shapes[static_cast<std::size_t>(i)].get();
       if (i != choices.object) {
-        target.neighbours_W.push_back(surface::make_object_model(shape, support).convex_pieces_W);
+        target.neighbours_W.push_back(
+            surface::make_object_model(shape, support, shape_options.model).convex_pieces_W);
         continue;
       }
-      target.object = surface::make_object_model(shape, support);
+      target.object = surface::make_object_model(shape, support, shape_options.model);
       if (seen.support_W) {
         target.notes.push_back(fmt::format("it stands on another object, {:.0f} mm over the table",
                                            1e3 * (support.offset - scene.table_W.offset)));
@@ -218,6 +236,8 @@ void refuse_what_does_not_apply(const PlanChoices& choices, bool is_mesh) {
     refuse(!choices.split.empty(), "--split", "clouds");
     refuse(choices.object != 0, "--object", "clouds");
     refuse(!choices.known.empty(), "--known", "clouds");
+    refuse(choices.alternatives.has_value(), "--alternatives", "clouds");
+    refuse(choices.tolerance > 0, "--tolerance", "clouds");
   } else {
     refuse(choices.in_place, "--in-place", "meshes");
   }

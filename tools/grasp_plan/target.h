@@ -9,6 +9,7 @@
 #include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/surface/object_model.h"
 #include "tools/grasp_plan/choices.h"
+#include "tools/grasp_plan/chosen_chain.h"
 #include "tools/grasp_plan/progress.h"
 
 namespace prehend::tools {
@@ -21,6 +22,7 @@ struct PlanTarget {
   std::vector<std::vector<geometry::TriangleMesh>> neighbours_W;  // convex pieces of each
   geometry::Plane table_W;
   std::optional<grasp::PlacedObject> known;  // a mesh that was given or found, not predicted
+  std::optional<ChosenChain> chain;          // what --budget or --tolerance chose for a cloud
   std::vector<std::string> notes;            // what was assumed, in words
   StageTimes times;
 };
