@@ -86,10 +86,11 @@ geometry::DepthImage seen_depth(const RenderedScene& rendered,
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,
-                                      const geometry::DepthImage& depth) {
+                                      const geometry::DepthImage& depth,
+                                      const perception::SegmentationOptions& segmentation) {
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
   return perception::segment(perception::cloud_from_depth(depth, camera.left, images.left),
-                             camera.left, rendered.scene.camera.X_WC());
+                             camera.left, rendered.scene.camera.X_WC(), segmentation);
 }
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,

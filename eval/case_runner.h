@@ -7,6 +7,7 @@
 #include "eval/case_result.h"
 #include "eval/data_sets.h"
 #include "eval/reconstruction_methods.h"
+#include "prehend/perception/segmentation.h"
 #include "prehend/perception/segmented_scene.h"
 #include "prehend/simulation/stereo_renderer.h"
 
@@ -28,7 +29,8 @@ geometry::DepthImage seen_depth(const RenderedScene& rendered,
 /// @throws geometry::InputError when it finds no table.
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,
-                                      const geometry::DepthImage& depth);
+                                      const geometry::DepthImage& depth,
+                                      const perception::SegmentationOptions& segmentation = {});
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images);
 
