@@ -39,7 +39,8 @@ struct ClusterView {
 /// Splits a cluster in two, and the parts again, as long as the completed shapes of both parts
 /// agree with the view clearly better than that of the whole. Places to cut are inward creases
 /// (splitting.h) and ledges (ledges.h) whatever the colours on either side. A part of which
-/// `is_object` does not hold is none.
+/// `is_object` does not hold is none. What stands in a row across the view, symmetric as a whole,
+/// stays whole; a body with a valley whose symmetry is not upright (a toy on its side) may be cut.
 /// @param members indices of the cluster's points. @returns disjoint parts that together are
 /// `members`, ascending, largest first. Cost: some 20 ms, and two completions for each place.
 /// @throws std::invalid_argument for a cloud that is not organized, no evidence, or a bad option.

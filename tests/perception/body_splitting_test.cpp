@@ -127,7 +127,8 @@ struct Seen {
 
 const Solid kTallBox = box({-0.04, 0, 0.06}, {0.06, 0.07, 0.12});
 const Solid kTurnedBox = box({0.031, -0.01, 0.03}, {0.08, 0.05, 0.06}, 0.5);
-const Solid kCan = cylinder({0.031, 0}, 0.04, 0, 0.08);
+// Not in one row with the box across the view: together they would be as symmetric as one body.
+const Solid kCan = cylinder({0.031, -0.03}, 0.04, 0, 0.08);
 
 Seen mug() {
   const Solid wall = without(cylinder({0, 0}, 0.04, 0, 0.09), cylinder({0, 0}, 0.036, 0.005, 0.1));
