@@ -117,7 +117,7 @@ class BodySplitter {
   /// What is apart from the rest of its side, and small, is the other side's.
   void give_back_crumbs(Halves& cut) const {
     constexpr double kGap = 0.02;        // m
-    constexpr std::size_t kSmaller = 5;  // times than the largest component
+    constexpr std::size_t kSmaller = 5;  // times than what is larger and stays
     for (const int from : {0, 1}) {
       Members& side = cut.side[from];
       std::sort(side.begin(), side.end());
