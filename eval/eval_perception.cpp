@@ -20,7 +20,9 @@
 #include "eval/stereo_accuracy.h"
 #include "eval/text_files.h"
 #include "eval/view_segmentation.h"
+#include "prehend/perception/segmentation.h"
 #include "prehend/report/page.h"
+#include "prehend/shape/body_evidence.h"
 #include "prehend/text/json.h"
 
 namespace {
@@ -123,6 +125,20 @@ struct Options {
   eval::CaseChoice choice = eval::default_choice("out/perception");
   int scenes = 8;
   int clutter = 28;
+  std::string split = "tops";
+
+  perception::SegmentationOptions segmentation() const {
+    perception::SegmentationOptions options;
+    options.split = perception::splitting_named(split).value();
+    options.body_evidence = shape::log_odds_of_one_body;
+    return options;
+  }
+  /// Views that were split otherwise are forgotten.
+  eval::CaseRunOptions runs() const {
+    eval::CaseRunOptions options = choice.runs();
+    options.setting = "split " + split;
+    return options;
+  }
 };
 
 // The tables of one run, in each of their forms.
@@ -165,13 +181,16 @@ std::optional<eval::ViewSegmentation> known_view(const fs::path& file) {
 }
 
 // False when a case has no result.
-bool add_views(const std::vector<eval::Case>& cases, const eval::CaseRunOptions& runs,
-               Tables& tables) {
+bool add_views(const std::vector<eval::Case>& cases, const Options& options, Tables& tables) {
+  const eval::CaseRunOptions runs = options.runs();
+  const perception::SegmentationOptions segmentation = options.segmentation();
   std::vector<std::string> names;
   for (const eval::Case& one : cases) names.push_back(one.result_name());
   const auto crashed = eval::run_cases(
       runs, names, [](int, const fs::path& file) { return known_view(file).has_value(); },
-      [&](int i, const fs::path& file) { eval::write_view(file, eval::segment_view(cases[i])); });
+      [&](int i, const fs::path& file) {
+        eval::write_view(file, eval::segment_view(cases[i], segmentation));
+      });
   std::vector<eval::ViewSegmentation> views;
   for (const std::string& name : names) {
     if (auto view = known_view(eval::case_file(runs, name))) views.push_back(std::move(*view));
@@ -193,7 +212,7 @@ void add_clutter(const std::vector<eval::DataSet>& sets, const Options& options,
   std::vector<eval::ViewSegmentation> views;
   for (const auto& one : eval::clutter_cases(options.clutter, options.choice.seed)) {
     for (const auto sensor : {eval::DepthSensor::kStereo, eval::DepthSensor::kStructuredLight}) {
-      views.push_back(eval::clutter_view(one, solids, sensor));
+      views.push_back(eval::clutter_view(one, solids, sensor, options.segmentation()));
     }
     std::fprintf(stderr, "\rclutter: %zu of %d scenes", views.size() / 2, options.clutter);
   }
@@ -212,10 +231,11 @@ int run(const Options& options) {
   if (options.choice.groups.empty() && options.choice.meshes.empty()) {
     add_recordings(tables);
     tables.add("rendered", "Rendered tables, four objects each", kSegmentationHeader,
-               segmentation_rows(eval::rendered_segmentation(options.scenes, options.choice.seed)));
+               segmentation_rows(eval::rendered_segmentation(options.scenes, options.choice.seed,
+                                                             options.segmentation())));
     add_clutter(sets, options, tables);
   }
-  const bool complete = add_views(cases, options.choice.runs(), tables);
+  const bool complete = add_views(cases, options, tables);
   tables.page.write(tables.folder / "index.html");
   if (!options.choice.json.empty()) eval::write_text(options.choice.json, tables.json.pretty());
   std::printf("\n%s\n", (tables.folder / "index.html").c_str());
@@ -244,5 +264,8 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->excludes("--groups")
       ->excludes("--meshes");
+  app.add_option("--split", options.split, "what takes things apart that touch")
+      ->check(CLI::IsMember({"none", "tops", "touching", "shapes"}))
+      ->capture_default_str();
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -17,6 +17,7 @@
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/perception/refinement.h"
 #include "prehend/perception/stereo.h"
+#include "prehend/shape/body_evidence.h"
 #include "prehend/simulation/stereo_renderer.h"
 
 namespace prehend::eval {
@@ -172,9 +173,12 @@ SegmentationErrors operator+(const SegmentationErrors& a, const SegmentationErro
   return sum;
 }
 
-std::vector<SegmentationRun> rendered_segmentation(int scenes, std::uint64_t seed) {
+std::vector<SegmentationRun> rendered_segmentation(
+    int scenes, std::uint64_t seed, const perception::SegmentationOptions& segmentation) {
   const std::vector<DataSet> sets = make_data_sets("household", household_objects());
   std::vector<SegmentationRun> runs;
+  Knobs defaults;
+  defaults.segmentation = segmentation;
   const auto add = [&](const std::string& name, const Appearance& appearance, const Knobs& knobs) {
     runs.push_back(run_scenes(name, sets, appearance, knobs, scenes, seed));
   };
@@ -183,22 +187,26 @@ std::vector<SegmentationRun> rendered_segmentation(int scenes, std::uint64_t see
         std::pair{"weak texture", 0.1}, std::pair{"no texture", 0.0}}) {
     for (const auto& [light, ambient] :
          {std::pair{"soft light", 0.8}, std::pair{"hard shadows", 0.25}}) {
-      add(fmt::format("{}, {}", name, light), {contrast, 2, ambient}, {});
+      add(fmt::format("{}, {}", name, light), {contrast, 2, ambient}, defaults);
     }
   }
-  add("medium texture, noise of 8 grey levels", {0.35, 8, 0.45}, {});
-  const auto with = [](const std::function<void(Knobs&)>& change) {
-    Knobs knobs;
+  add("medium texture, noise of 8 grey levels", {0.35, 8, 0.45}, defaults);
+  const auto with = [&defaults](const std::function<void(Knobs&)>& change) {
+    Knobs knobs = defaults;
     change(knobs);
     return knobs;
   };
-  add("medium: default", {}, {});
+  add("medium: default", {}, defaults);
   add("medium: organized components", {},
       with([](Knobs& k) { k.segmentation.clustering = perception::Clustering::kOrganized; }));
   add("medium: not split", {},
       with([](Knobs& k) { k.segmentation.split = perception::Splitting::kNone; }));
   add("medium: touching objects split", {},
       with([](Knobs& k) { k.segmentation.split = perception::Splitting::kTouching; }));
+  add("medium: split by shapes", {}, with([](Knobs& k) {
+        k.segmentation.split = perception::Splitting::kShapes;
+        k.segmentation.body_evidence = shape::log_odds_of_one_body;
+      }));
   add("medium: masks by graph cut", {}, with([](Knobs& k) { k.refine = true; }));
   add("medium: filtered stereo", {}, with([](Knobs& k) { k.stereo.filter = true; }));
   add("medium: block matching", {},
@@ -222,6 +230,8 @@ std::vector<SegmentationRun> labelled_segmentation(const std::filesystem::path& 
                    perception::Splitting::kTops},
         std::tuple{"organized components, split by level tops", perception::Clustering::kOrganized,
                    perception::Splitting::kTops},
+        std::tuple{"Euclidean clusters, split by shapes", perception::Clustering::kEuclidean,
+                   perception::Splitting::kShapes},
         std::tuple{"organized components, touching objects split",
                    perception::Clustering::kOrganized, perception::Splitting::kTouching}}) {
     SegmentationRun run;
@@ -233,6 +243,7 @@ std::vector<SegmentationRun> labelled_segmentation(const std::filesystem::path& 
       perception::SegmentationOptions options;
       options.clustering = clustering;
       options.split = split;
+      options.body_evidence = shape::log_odds_of_one_body;
       const auto start = std::chrono::steady_clock::now();
       const SegmentedScene scene = perception::segment_recorded_cloud(recorded, options);
       run.seconds +=

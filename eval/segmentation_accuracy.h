@@ -56,7 +56,8 @@ struct SegmentationRun {
 
 /// Rendered scenes of several household objects each, some close together, for each texture
 /// contrast and light, and for the knobs of perception at the middle ones. `scenes` at a time.
-std::vector<SegmentationRun> rendered_segmentation(int scenes, std::uint64_t seed);
+std::vector<SegmentationRun> rendered_segmentation(
+    int scenes, std::uint64_t seed, const perception::SegmentationOptions& segmentation = {});
 
 /// The labelled recordings of the Object Segmentation Database in `folder` (*.pcd), with each way
 /// of clustering, whole and split. Empty when there are none.

@@ -71,7 +71,8 @@ std::vector<SegmentationRun> combined(
 
 }  // namespace
 
-SegmentationRun segment_rendered(const RenderedScene& rendered) {
+SegmentationRun segment_rendered(const RenderedScene& rendered,
+                                 const perception::SegmentationOptions& segmentation) {
   SegmentationRun seen;
   simulation::RenderOptions render;
   render.threads = 1;  // processes share the cores
@@ -81,7 +82,7 @@ SegmentationRun segment_rendered(const RenderedScene& rendered) {
   const geometry::DepthImage depth = seen_depth(rendered, images);
   perception::SegmentedScene scene;
   try {
-    scene = seen_scene(rendered, images, depth);
+    scene = seen_scene(rendered, images, depth, segmentation);
   } catch (const geometry::InputError&) {
     scene.objects.clear();  // no table: everything is missed
   }
@@ -94,8 +95,10 @@ SegmentationRun segment_rendered(const RenderedScene& rendered) {
   return seen;
 }
 
-ViewSegmentation segment_view(const Case& one) {
-  return {one.name(), one.data_set->group, one.data_set->name, segment_rendered(scene_of(one))};
+ViewSegmentation segment_view(const Case& one,
+                              const perception::SegmentationOptions& segmentation) {
+  return {one.name(), one.data_set->group, one.data_set->name,
+          segment_rendered(scene_of(one), segmentation)};
 }
 
 void write_view(const std::filesystem::path& file, const ViewSegmentation& view) {

@@ -19,9 +19,11 @@ struct ViewSegmentation {
 
 /// Renders the scene, measures depth by its sensor and segments it; the condition is left empty.
 /// Without a table everything is missed.
-SegmentationRun segment_rendered(const RenderedScene& rendered);
+SegmentationRun segment_rendered(const RenderedScene& rendered,
+                                 const perception::SegmentationOptions& segmentation = {});
 /// Renders the case with all that is in its scene, measures depth by its sensor and segments it.
-ViewSegmentation segment_view(const Case& one);
+ViewSegmentation segment_view(const Case& one,
+                              const perception::SegmentationOptions& segmentation = {});
 
 /// Writes the result as YAML so that the file is whole or absent.
 /// @throws geometry::InputError when the folder cannot be written.

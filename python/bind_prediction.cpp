@@ -7,6 +7,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/perception/segmentation.h"
+#include "prehend/shape/body_evidence.h"
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
 #include "python/arrays.h"
@@ -30,10 +31,8 @@ struct Scene {
 };
 
 perception::Splitting splitting_named(const std::string& name) {
-  if (name == "none") return perception::Splitting::kNone;
-  if (name == "tops") return perception::Splitting::kTops;
-  if (name == "touching") return perception::Splitting::kTouching;
-  throw py::value_error("split is '" + name + "'; give none, tops or touching");
+  if (const auto found = perception::splitting_named(name)) return *found;
+  throw py::value_error("split is '" + name + "'; give none, tops, touching or shapes");
 }
 
 Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& viewpoint,
@@ -46,12 +45,13 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   perception::SegmentationOptions segmentation;
   segmentation.split = splitting_named(split);
   segmentation.min_height = min_height;
+  segmentation.body_evidence = shape::log_odds_of_one_body;
   py::gil_scoped_release free;
   geometry::CloudFile file;
   file.cloud = cloud;
   const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(file, options);
-  if (segmentation.split == perception::Splitting::kTouching && !recorded.cloud_C.organized()) {
-    throw geometry::InputError("split='touching' needs an organized cloud", "Leave it away");
+  if ((split == "touching" || split == "shapes") && !recorded.cloud_C.organized()) {
+    throw geometry::InputError("split='" + split + "' needs an organized cloud", "Leave it away");
   }
   return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes};
 }
@@ -141,7 +141,7 @@ void bind_scenes(py::module_& m) {
       py::arg("split") = "tops", py::arg("min_height") = 0.0,
       "Finds table and objects of a recorded cloud. viewpoint: 4 x 4, the camera's optical frame "
       "in the cloud's; up: 3 numbers; table: auto, find, none or 'a b c d' [m]; scale: metres per "
-      "unit; split: none, tops, touching; min_height [m], 0: by the table's noise. Raises "
+      "unit; split: none, tops, touching, shapes; min_height [m], 0: by the table's noise. Raises "
       "InputError where there is no table.");
 }
 

@@ -86,7 +86,8 @@ std::vector<ClutterCase> clutter_cases(int count, std::uint64_t seed) {
 
 ViewSegmentation clutter_view(const ClutterCase& one,
                               const std::vector<simulation::ClutterSolid>& solids,
-                              DepthSensor sensor) {
+                              DepthSensor sensor,
+                              const perception::SegmentationOptions& segmentation) {
   const auto bodies = simulation::drop_clutter(solids, one.options);
   RenderedScene rendered;
   rendered.scene = simulation::clutter_scene(solids, bodies, "", one.varied, one.options.seed);
@@ -98,7 +99,7 @@ ViewSegmentation clutter_view(const ClutterCase& one,
                                geometry::bounds(*mesh).max().z()});
   }
   const char* by = sensor == DepthSensor::kStereo ? "stereo" : "structured light";
-  return {one.name, one.kind + ", " + by, one.name, segment_rendered(rendered)};
+  return {one.name, one.kind + ", " + by, one.name, segment_rendered(rendered, segmentation)};
 }
 
 }  // namespace prehend::eval

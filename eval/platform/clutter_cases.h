@@ -32,6 +32,7 @@ std::vector<ClutterCase> clutter_cases(int count, std::uint64_t seed);
 /// Makes the case's scene, looks at it by that sensor, and segments it. Its group is the kind.
 ViewSegmentation clutter_view(const ClutterCase& one,
                               const std::vector<simulation::ClutterSolid>& solids,
-                              DepthSensor sensor);
+                              DepthSensor sensor,
+                              const perception::SegmentationOptions& segmentation = {});
 
 }  // namespace prehend::eval

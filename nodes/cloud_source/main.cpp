@@ -109,9 +109,10 @@ void run(graph::Node& node) {
     clock.end_stage(times, "read");
     const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
     clock.end_stage(times, "viewpoint");
-    if (node.parameter<std::string>("split") == "touching" && !recorded.cloud_C.organized()) {
+    const auto split = node.parameter<std::string>("split");
+    if ((split == "touching" || split == "shapes") && !recorded.cloud_C.organized()) {
       throw geometry::InputError(
-          "Parameter split=touching needs a cloud that is an image, '" + file + "' is none",
+          "Parameter split=" + split + " needs a cloud that is an image, '" + file + "' is none",
           "Leave it away (split:= of the launch files)");
     }
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);

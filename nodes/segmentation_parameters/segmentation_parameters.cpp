@@ -3,6 +3,7 @@
 #include <string>
 
 #include "prehend/graph/node.h"
+#include "prehend/shape/body_evidence.h"
 
 namespace prehend::nodes {
 namespace {
@@ -104,9 +105,10 @@ void declare_segmentation_parameters(graph::Node& node, bool at_start) {
   node.declare_parameter<std::string>(
       {.name = "split",
        .default_value = "tops",
-       .choices = {"none", "tops", "touching"},
-       .description = "what takes things apart that touch: level tops at different heights; "
-                      "touching: creases between colours, too, in clouds that are images",
+       .choices = {"none", "tops", "touching", "shapes"},
+       .description = "what takes things apart that touch: level tops at different heights; in "
+                      "clouds that are images also touching: creases between colours; shapes: "
+                      "creases where two completed shapes explain more than one",
        .read_only = at_start});
   declare_length(declarer, "join_gap", o.parts.join_gap,
                  "within which a floating part belongs to a larger object");
@@ -142,10 +144,8 @@ perception::SegmentationOptions segmentation_options(const graph::Node& node) {
   if (node.parameter<std::string>("clustering") == "organized") {
     o.clustering = perception::Clustering::kOrganized;
   }
-  const auto split = node.parameter<std::string>("split");
-  o.split = split == "none"   ? perception::Splitting::kNone
-            : split == "tops" ? perception::Splitting::kTops
-                              : perception::Splitting::kTouching;
+  o.split = perception::splitting_named(node.parameter<std::string>("split")).value();
+  o.body_evidence = shape::log_odds_of_one_body;
   return o;
 }
 

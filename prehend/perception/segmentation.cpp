@@ -44,6 +44,7 @@ void check_options(const SegmentationOptions& o) {
   require(std::isfinite(o.hull_margin), "hull_margin must be finite");
   require(o.close_radius >= 0 && o.close_radius <= 50, "close_radius must be 0..50");
   require(o.max_objects > 0, "max_objects must be positive");
+  require(o.split != Splitting::kShapes || o.body_evidence, "split by shapes needs body_evidence");
   require(o.parts.contact_height >= 0 && o.parts.join_gap >= 0 && o.parts.drop_height >= 0,
           "parts must not have negative lengths");
   require(o.parts.most_hue_difference >= 0 && o.parts.most_color_difference >= 0,
@@ -175,6 +176,7 @@ class ObjectFinder {
                  1e3 * options_.parts.drop_height));
     }
     sort();
+    if (options_.split == Splitting::kShapes && cloud_C_.organized()) split_into_shapes();
     while (found_.objects.size() > static_cast<std::size_t>(options_.max_objects)) {
       drop(std::move(found_.objects.back().members),
            words("there are %.0f larger objects (max_objects)", options_.max_objects));
@@ -241,25 +243,63 @@ class ObjectFinder {
   }
 
   void take_piece(LedgePart piece) {
-    std::vector<int>& members = piece.members;
-    const double area = seen_area(cloud_C_, camera_, members, options_);
-    const double height = height_of(cloud_C_, members, table_);
-    if (members.size() < kLeastObjectPoints) {
-      drop(std::move(members), words("fewer than %.0f points have no shape", kLeastObjectPoints));
-    } else if (const double least_area =
-                   std::max({options_.min_area, kSliver * height, kThread * length_of(members)});
-               area < least_area) {
-      const auto [seen, least] = text::told_apart(1e4 * area, 1e4 * least_area, 1);
-      drop(std::move(members), seen + " cm^2 of it are seen, less than " + least +
-                                   " cm^2 (min_area, 5 mm for its height, 1.5 mm for its length)");
-    } else if (const double least = least_object_height(members); height < least) {
-      const auto [high, enough] = text::told_apart(1e3 * height, 1e3 * least, 1);
-      drop(std::move(members), high + " mm high, less than " + enough +
-                                   " mm (min_object_height, or 2.5 times min_height: what the "
-                                   "table's noise reaches)");
+    if (std::string reason = why_no_object(piece.members); !reason.empty()) {
+      drop(std::move(piece.members), std::move(reason));
     } else {
       found_.objects.push_back(std::move(piece));
     }
+  }
+
+  // Empty when they are one.
+  std::string why_no_object(const std::vector<int>& members) const {
+    if (members.size() < kLeastObjectPoints) {
+      return words("fewer than %.0f points have no shape", kLeastObjectPoints);
+    }
+    const double area = seen_area(cloud_C_, camera_, members, options_);
+    const double height = height_of(cloud_C_, members, table_);
+    const double least_area =
+        std::max({options_.min_area, kSliver * height, kThread * length_of(members)});
+    if (area < least_area) {
+      const auto [seen, least] = text::told_apart(1e4 * area, 1e4 * least_area, 1);
+      return seen + " cm^2 of it are seen, less than " + least +
+             " cm^2 (min_area, 5 mm for its height, 1.5 mm for its length)";
+    }
+    if (const double least = least_object_height(members); height < least) {
+      const auto [high, enough] = text::told_apart(1e3 * height, 1e3 * least, 1);
+      return high + " mm high, less than " + enough +
+             " mm (min_object_height, or 2.5 times min_height: what the table's noise reaches)";
+    }
+    return {};
+  }
+
+  // Each object among the others, as they are by then.
+  void split_into_shapes() {
+    const auto is_object = [this](const std::vector<int>& members) {
+      return why_no_object(members).empty();
+    };
+    std::vector<LedgePart> whole = std::move(found_.objects);
+    found_.objects.clear();
+    for (std::size_t k = 0; k < whole.size(); ++k) {
+      ClusterView cluster{cloud_C_, camera_, table_.plane_C, {}};
+      for (const LedgePart& object : found_.objects) cluster.others.push_back(object.members);
+      for (std::size_t j = k + 1; j < whole.size(); ++j) {
+        cluster.others.push_back(whole[j].members);
+      }
+      auto bodies = split_into_bodies(cluster, whole[k].members, options_.body_evidence, is_object,
+                                      options_.body_splitting);
+      if (bodies.size() == 1) {
+        found_.objects.push_back(std::move(whole[k]));
+        continue;
+      }
+      for (std::vector<int>& body : bodies) {
+        // A step that was cut is none any more.
+        const bool may_be_several =
+            whole[k].may_be_several &&
+            split_at_ledges(cloud_C_, table_.plane_C, body, options_.ledges).front().may_be_several;
+        found_.objects.push_back({std::move(body), may_be_several});
+      }
+    }
+    sort();
   }
 
   double length_of(const std::vector<int>& members) const {
@@ -323,6 +363,14 @@ Plane transformed(const Plane& plane_B, const RigidTransform& X_AB) {
 }
 
 }  // namespace
+
+std::optional<Splitting> splitting_named(std::string_view name) {
+  if (name == "none") return Splitting::kNone;
+  if (name == "tops") return Splitting::kTops;
+  if (name == "touching") return Splitting::kTouching;
+  if (name == "shapes") return Splitting::kShapes;
+  return std::nullopt;
+}
 
 RigidTransform world_from_table(const Plane& table_C, const Eigen::Vector3d& anchor_C) {
   const Eigen::Vector3d z = table_C.normal.normalized();

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/perception/body_splitting.h"
 #include "prehend/perception/ledges.h"
 #include "prehend/perception/object_parts.h"
 #include "prehend/perception/segmented_scene.h"
@@ -24,7 +26,13 @@ enum class Splitting {
   kNone,
   kTops,      // level tops at different heights, of any cloud: ledges.h
   kTouching,  // that, and creases between colours in organized clouds: splitting.h
+  /// kTops, and creases and ledges of organized clouds, whatever their colours, where two completed
+  /// shapes explain more than one: body_splitting.h. Needs SegmentationOptions::body_evidence.
+  kShapes,
 };
+
+/// "none", "tops", "touching" or "shapes"; nothing for another word.
+std::optional<Splitting> splitting_named(std::string_view name);
 
 struct SegmentationOptions {
   Clustering clustering = Clustering::kEuclidean;
@@ -48,6 +56,8 @@ struct SegmentationOptions {
   Splitting split = Splitting::kTops;
   LedgeOptions ledges;
   SplitOptions splitting;
+  BodySplitOptions body_splitting;
+  BodyEvidence body_evidence;  // kShapes: shape::log_odds_of_one_body
 };
 
 /// The objects that stand on `table`: points over its convex outline, voxel grid,

@@ -42,9 +42,9 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command
       .add_option("--split", choices.split,
                   "of a cloud: what takes things apart that touch: none, tops (default): level "
-                  "tops at different heights, touching: creases between colours, too, in "
-                  "organized clouds")
-      ->check(CLI::IsMember({"none", "tops", "touching"}));
+                  "tops at different heights; in organized clouds also touching: creases between "
+                  "colours, shapes: creases where two completed shapes explain more than one")
+      ->check(CLI::IsMember({"none", "tops", "touching", "shapes"}));
   command.add_flag("--in-place", choices.in_place,
                    "leave a mesh where its file has it, on the table z = 0; else it is put on the "
                    "table, at the origin");

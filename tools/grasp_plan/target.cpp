@@ -15,6 +15,7 @@
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/planning/known_models.h"
+#include "prehend/shape/body_evidence.h"
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
 #include "prehend/surface/simplify.h"
@@ -143,14 +144,16 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
       perception::read_recorded_cloud_options(choices.scale.value_or(1), choices.viewpoint,
                                               choices.up, choices.table));
   target.notes = recorded.notes;
-  if (choices.split == "touching" && !recorded.cloud_C.organized()) {
+  if ((choices.split == "touching" || choices.split == "shapes") && !recorded.cloud_C.organized()) {
     throw geometry::InputError(
-        "--split touching needs an organized cloud, '" + choices.file + "' is none",
+        "--split " + choices.split + " needs an organized cloud, '" + choices.file + "' is none",
         "Leave --split away");
   }
   perception::SegmentationOptions segmentation;
-  if (choices.split == "none") segmentation.split = perception::Splitting::kNone;
-  if (choices.split == "touching") segmentation.split = perception::Splitting::kTouching;
+  if (!choices.split.empty()) {
+    segmentation.split = perception::splitting_named(choices.split).value();
+  }
+  segmentation.body_evidence = shape::log_odds_of_one_body;
   fidelity::ShapeOptions shape_options;
   shape_options.completion.alternatives = choices.alternatives.value_or(kAlternatives);
   target.chain = chosen_chain(choices);
