@@ -119,7 +119,7 @@ double stage_seconds(const Setting& setting, Stage stage) {
 }
 
 std::string measured_text(const Front& front, const Setting& setting) {
-  const std::string time = fmt::format("{:.3g} ms", 1e3 * setting.seconds);
+  const std::string time = fmt::format("{:.0f} ms", 1e3 * setting.seconds);
   if (front.error_unit == "m") return fmt::format("{}, {:.2f} mm", time, 1e3 * setting.error);
   if (front.subject == to_string(Stage::kPlan)) {
     return fmt::format("{}, {:.0f} % not lifted at the first attempt", time, 100 * setting.error);
