@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "prehend/fidelity/chain_settings.h"
 #include "prehend/grasp/planner_options.h"
 #include "prehend/planning/decision.h"
 #include "prehend/planning/held_views.h"
@@ -35,8 +34,11 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
     grasp::FingerOptions::knobs(fingers, list);
     check(node, misfits, "with a parallel gripper", "it is of hands with fingers");
   } else {
-    if (front != nullptr && front->subject == fidelity::to_string(fidelity::Stage::kPlan)) {
-      check(node, {"front"}, "with a hand of fingers", "it was measured with the parallel gripper");
+    const auto file = node.parameter<std::string>("front");
+    const bool is_of_chain = front != nullptr && front->subject == "chain";
+    if (!file.empty() && file != "none" && !is_of_chain) {
+      refuse("front", "with a hand of fingers",
+             "it was measured with the parallel gripper, or no budget chooses from it");
     }
     grasp::PadOptions pads;
     grasp::PadOptions::knobs(pads, list);

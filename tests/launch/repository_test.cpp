@@ -120,6 +120,41 @@ TEST_F(TouchOfLaunchFiles, IsChosenForTheWorldAndForItsPrediction) {
   }
 }
 
+// One budget, or one tolerance, for every stage from images to grasps.
+TEST_F(TouchOfLaunchFiles, OneBudgetReachesAllStages) {
+  const std::vector<std::vector<std::string>> files{
+      {"launch/demo.yaml"},
+      {"launch/demo.yaml", "platform:=kr5_sdh"},
+      {"launch/uji.yaml"},
+      {"launch/hil.yaml"},
+      {"launch/bringup.yaml", "platform:=kr5_sdh", "cycle:=true"},
+      {"launch/replay.yaml", "bag:=a.mcap"},
+      {"launch/replay_cloud.yaml", "cloud:=a.pcd"},
+      {"launch/replay_stereo.yaml", "left:=l.png", "right:=r.png", "calibration:=K.txt"},
+      {"launch/replay_views.yaml", "first:=a.pcd", "second:=b.pcd"}};
+  for (std::vector<std::string> words : files) {
+    const bool has_gripper = words.size() == 1 || words[1].rfind("platform", 0) != 0;
+    const bool is_stage = has_gripper && words[0] != "launch/uji.yaml";
+    const std::string front = is_stage ? "/chain.yaml\n" : "/chain_hand.yaml\n";
+    for (const char* argument : {"budget", "tolerance"}) {
+      std::vector<std::string> asked = words;
+      asked.push_back(std::string(argument) + ":=0.75");
+      const std::string graph = dry_run(asked);
+      const bool of_cloud = graph.find("- node: cloud_source") != std::string::npos;
+      for (const char* node : {of_cloud ? "cloud_source" : "stereo_segmentation",
+                               "shape_completion", "poisson_meshing", "grasp_planning"}) {
+        EXPECT_THAT(of_node(graph, node),
+                    AllOf(HasSubstr(std::string(argument) + ": 0.75\n"), HasSubstr(front)))
+            << words[0] << " " << node;
+      }
+    }
+    const std::string silent = dry_run(words);
+    EXPECT_THAT(of_node(silent, "grasp_planning"), HasSubstr("front: \"\"\n")) << words[0];
+  }
+  EXPECT_THAT(dry_run({"launch/prediction.yaml", "budget:=1", "plan_budget:=1"}, 1),
+              HasSubstr("leave plan_budget away"));
+}
+
 // The grasps of the PG70, the only hand of hil.yaml, are planned by what its pads feel: there is
 // nothing to be chosen for them.
 TEST_F(TouchOfLaunchFiles, IsChosenForTheWorldBehindWires) {

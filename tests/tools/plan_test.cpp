@@ -1,5 +1,6 @@
 // prehend plan.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>
@@ -20,6 +21,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Plan : public ::testing::Test {
  protected:
@@ -261,13 +263,43 @@ TEST_F(Plan, SavesTheMeshAndThePlan) {
 // They were taken and meant nothing.
 TEST_F(Plan, OptionsThatDoNotApplyAreRefused) {
   const std::string mesh = box({0.04, 0.05, 0.1});
-  for (const auto& option : std::vector<std::vector<std::string>>{
-           {"--table", "none"}, {"--up", "0 0 1"}, {"--split", "touching"}, {"--object", "1"}}) {
+  for (const auto& option : std::vector<std::vector<std::string>>{{"--table", "none"},
+                                                                  {"--up", "0 0 1"},
+                                                                  {"--split", "touching"},
+                                                                  {"--object", "1"},
+                                                                  {"--alternatives", "1"},
+                                                                  {"--tolerance", "0.003"}}) {
     std::vector<std::string> words{mesh};
     words.insert(words.end(), option.begin(), option.end());
     EXPECT_THAT(run(words), AllOf(HasSubstr(option[0]), HasSubstr("for clouds")));
     EXPECT_EQ(exit_code_, 1);
   }
+}
+
+// All stages of a cloud at once, by the front of whole chains.
+TEST_F(Plan, ABudgetOrToleranceOfACloudChoosesAllStages) {
+  std::string box_seen;
+  int count = 0;
+  for (int i = 0; i <= 40; ++i) {
+    for (int k = 0; k <= 40; ++k) {
+      box_seen += fmt::format("{} {} 0.8\n{} 0 {}\n", i * 1e-3, k * 1e-3, i * 1e-3, 0.8 + k * 1e-3);
+      count += 2;
+    }
+  }
+  const std::string cloud = folder_.write(
+      "box.pcd",
+      fmt::format("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+                  "WIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA ascii\n{1}",
+                  count, box_seen));
+  EXPECT_THAT(run({cloud, "--budget", "100"}),
+              AllOf(HasSubstr("chosen: seeing."), HasSubstr("by the budget: ")));
+  EXPECT_THAT(run({cloud, "--tolerance", "0.5"}), HasSubstr("chosen: seeing."));
+  EXPECT_THAT(run({cloud}), Not(HasSubstr("chosen: ")));
+  EXPECT_THAT(run({cloud, "--budget", "1e-6"}), HasSubstr("Allow as much as the fastest one"));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({cloud, "--budget", "1", "--tolerance", "0.5"}), HasSubstr("both given"));
+  EXPECT_THAT(run({cloud, "--budget", "1", "--alternatives", "1"}), HasSubstr("--alternatives"));
+  EXPECT_EQ(exit_code_, 1);
 }
 
 // prehend/grasp/example: a generator, and a method of closing that a hand's file names.
