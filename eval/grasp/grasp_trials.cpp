@@ -66,9 +66,8 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
       const std::pair key(on, setting.alternatives);
       if (!first_look.contains(key)) {
         const double start = processor_time();
-        first_look[key] = on == PlannedOn::kTruth
-                              ? belief_of(truth.mesh_W, others_W)
-                              : believed_object(one, *seen, on, shapes);
+        first_look[key] = on == PlannedOn::kTruth ? belief_of(truth.mesh_W, others_W)
+                                                  : believed_object(one, *seen, on, shapes);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       }
       int look = 0, recalled = 0;

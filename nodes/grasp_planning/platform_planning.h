@@ -36,8 +36,8 @@ class PlatformPlanning {
                        const planning::Neighbours& neighbours,
                        const grasp::Reachability& reachability, grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known,
-                       const grasp::LoadBounds& load,
-                       const std::vector<planning::ProbeWay>& probes, double remedy_budget) const;
+                       const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
+                       double remedy_budget) const;
 
   /// For finding out what would help the objects of a view that have no grasp, together [s].
   double remedy_budget() const { return options_.remedies.budget; }

@@ -14,7 +14,7 @@ namespace {
 
 using motion::SegmentKind;
 
-constexpr double kMeetTime = 0.2;  // s, that a probe stands at what it has met
+constexpr double kMeetTime = 0.2;   // s, that a probe stands at what it has met
 constexpr double kFreeShare = 0.5;  // of the lift's limit: what the grip pressed down is clear
 constexpr const char* kLooksAgain = "lets go and looks again";
 
