@@ -78,7 +78,8 @@ std::function<double(const MeasuredChain&)> additive(
   return [effects, row_of](const MeasuredChain& chain) { return row_of(chain).dot(effects); };
 }
 
-double mesh_error(const MeasuredChain& chain) { return chain.setting.other_errors.front().second; }
+double mesh_error(const fidelity::Setting& setting) { return setting.other_errors.front().second; }
+double mesh_error(const MeasuredChain& chain) { return mesh_error(chain.setting); }
 
 }  // namespace
 
@@ -130,12 +131,21 @@ fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const st
                         {"shape", "of the time, from those to meshes [s]"},
                         {"plan", "of the time, to ranked grasps with the arm's motions [s]"}};
   front.machine = machine;
-  front.settings = fidelity::pareto_front(std::move(settings));
+  std::stable_sort(settings.begin(), settings.end(),
+                   [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
+  for (const fidelity::Setting& setting : settings) {
+    const bool is_beaten = std::any_of(
+        front.settings.begin(), front.settings.end(), [&](const fidelity::Setting& faster) {
+          return faster.error <= setting.error && mesh_error(faster) <= mesh_error(setting);
+        });
+    if (!is_beaten) front.settings.push_back(setting);
+  }
   return front;
 }
 
 Foretold foretell(const ChainGrid& grid, const std::vector<MeasuredChain>& measured) {
-  const auto mesh = additive(grid, measured, mesh_error);
+  const auto mesh =
+      additive(grid, measured, [](const MeasuredChain& chain) { return mesh_error(chain); });
   const auto not_lifted =
       additive(grid, measured, [](const MeasuredChain& chain) { return chain.setting.error; });
   Foretold result;

@@ -20,7 +20,8 @@ struct MeasuredChain {
 std::vector<MeasuredChain> measured_chains(const ChainGrid& grid,
                                            const std::vector<std::vector<ChainTrial>>& views);
 
-/// The front of the chains that gave a mesh of every view that the best of them gave one of.
+/// The front, of time, of what is not lifted and of the meshes' error, of the chains that gave a
+/// mesh of as many views as the best of them.
 fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const std::string& platform,
                             const std::string& machine);
 

@@ -57,6 +57,15 @@ void check_keys(const YAML::Node& node, std::initializer_list<const char*> known
   }
 }
 
+// In its error or in another one.
+bool is_better(const Setting& one, const Setting& other) {
+  if (one.error < other.error) return true;
+  for (std::size_t i = 0; i < one.other_errors.size(); ++i) {
+    if (one.other_errors[i].second < other.other_errors[i].second) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::string to_string(const Setting& setting) {
@@ -167,7 +176,7 @@ Front read_front(const std::filesystem::path& file) {
     }
     for (std::size_t i = 1; i < front.settings.size(); ++i) {
       if (front.settings[i].seconds < front.settings[i - 1].seconds ||
-          front.settings[i].error >= front.settings[i - 1].error) {
+          !is_better(front.settings[i], front.settings[i - 1])) {
         fail(file, "has settings that are no front: slower ones must be more accurate");
       }
     }

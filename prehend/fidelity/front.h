@@ -19,8 +19,8 @@ struct Setting {
   std::vector<std::pair<std::string, double>> other_errors{};
 };
 
-/// The settings of which none is both slower and less accurate than another, fastest first: error
-/// falls strictly along it.
+/// The settings of which none is both slower and less accurate than another, fastest first: along
+/// it the error falls, or another of the errors.
 struct Front {
   std::string subject;     // e.g. "shape"
   std::string error_name;  // what `error` measures, e.g. "mean distance of the truth to the mesh"

@@ -63,6 +63,23 @@ TEST(MeasuredChains, AreMeansOfTheViews) {
   EXPECT_EQ(front.settings[0].error, 0);
 }
 
+// What lifts no more but has better meshes is worth its time; what is beaten in all three is not.
+TEST(ChainFront, KeepsBetterMeshesToo) {
+  const ChainGrid grid = small_grid(1, 1, 4);
+  const ChainTrial fast{{0.1, 0.1, 0.1}, 0.004, true, true};
+  const ChainTrial fine{{0.1, 0.1, 0.2}, 0.002, true, true};
+  const ChainTrial slow{{0.1, 0.1, 0.3}, 0.003, true, true};
+  const ChainTrial worst{{0.1, 0.1, 0.4}, 0.002, true, false};
+  const fidelity::Front front =
+      chain_front(measured_chains(grid, {{fast, fine, slow, worst}}), "stage_pg70", "a test");
+  ASSERT_EQ(front.settings.size(), 2u);
+  EXPECT_NEAR(front.settings[0].seconds, 0.3, 1e-12);
+  EXPECT_NEAR(front.settings[1].other_errors[0].second, 0.002, 1e-12);
+  const testing::TemporaryFolder folder;
+  fidelity::write_front(folder.path / "chain.yaml", front);
+  EXPECT_EQ(fidelity::read_front(folder.path / "chain.yaml").settings.size(), 2u);
+}
+
 // What depends on each setting alone, and of times on that before too, is foretold exactly.
 TEST(Foretell, IsExactWithoutFurtherInteractions) {
   const ChainGrid grid = small_grid(3, 4, 4);
