@@ -36,7 +36,7 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   } else {
     const auto file = node.parameter<std::string>("front");
     const bool is_of_chain = front != nullptr && front->subject == "chain";
-    if (!file.empty() && file != "none" && !is_of_chain) {
+    if (!file.empty() && !is_of_chain) {
       refuse("front", "with a hand of fingers",
              "it was measured with the parallel gripper, or no budget chooses from it");
     }

@@ -47,14 +47,14 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
     options.generators = generators;
     options.further_generators.clear();
   }
-  const auto front = node.declare_parameter<std::string>(
+  node.declare_parameter<std::string>(
       {.name = "front",
        .description =
            "measured front from which a budget chooses generators, rolls, standoffs and robustness "
            "samples, which must not be given then: of plans of a parallel gripper, or of the whole "
            "chain from images (config/fidelity/chain.yaml, chain_hand.yaml), whose budget counts "
-           "the stages before; empty: config/fidelity/plan.yaml of a parallel gripper; none: no "
-           "front",
+           "the stages before; empty: config/fidelity/plan.yaml of a parallel gripper, none of "
+           "other hands",
        .read_only = true,
        .reads_file = true});
   node.declare_parameter<double>(
@@ -95,7 +95,7 @@ std::optional<fidelity::Front> front_to_choose_from(const graph::Node& node,
   const bool has_tolerance = node.parameter<double>("tolerance") > 0;
   if (!(options.budget > 0) && !has_tolerance) return std::nullopt;
   if (file.empty() && platform.hand.gripper) file = text::tree_file("config/fidelity/plan.yaml");
-  if (!file.empty() && file != "none") return fidelity::read_front(file);
+  if (!file.empty()) return fidelity::read_front(file);
   if (!has_tolerance) return std::nullopt;
   throw geometry::InputError("A tolerance is given without the front of a chain to choose from",
                              "Give front, as config/fidelity/chain.yaml");

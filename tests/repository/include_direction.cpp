@@ -64,7 +64,7 @@ std::string objection(const Place& from, const Place& to) {
   if (from.top == "nodes" && to.top == "nodes" && from.folder != to.folder) {
     // What several nodes share is a library without a node in it.
     static const std::vector<std::string> kShared{"segmentation_parameters",
-                                                  "shape_fidelity",
+                                                  "stage_fidelity",
                                                   "touch_fidelity",
                                                   "gripper_source",
                                                   "hand_pads",
