@@ -18,8 +18,6 @@ ChosenStage choose(const std::string& file, fidelity::Stage stage, double budget
           convert::to_message(setting, fidelity::measured_text(front, setting))};
 }
 
-}  // namespace
-
 void refuse_beside_front(const graph::Node& node, const std::vector<std::string>& chosen_by_front) {
   for (const std::string& name : chosen_by_front) {
     if (!node.is_parameter_given(name)) continue;
@@ -28,6 +26,8 @@ void refuse_beside_front(const graph::Node& node, const std::vector<std::string>
         "Leave it away, or budget and tolerance");
   }
 }
+
+}  // namespace
 
 StageFidelity::StageFidelity(graph::Node& node, fidelity::Stage stage,
                              const std::vector<std::string>& chosen_by_front) {

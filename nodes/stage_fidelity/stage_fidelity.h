@@ -42,8 +42,4 @@ class StageFidelity {
   std::optional<geometry::InputError> problem_;
 };
 
-/// Throws when a parameter that the front sets was given beside a budget or tolerance.
-/// @throws geometry::InputError naming it.
-void refuse_beside_front(const graph::Node& node, const std::vector<std::string>& chosen_by_front);
-
 }  // namespace prehend::nodes
