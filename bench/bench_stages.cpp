@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "prehend/grasp/planner.h"
+#include "prehend/perception/binning.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
 #include "prehend/shape/object_view.h"
@@ -63,13 +64,24 @@ void BM_RenderStereo(benchmark::State& state) {
 }
 BENCHMARK(BM_RenderStereo)->Unit(benchmark::kMillisecond);
 
+// Arguments: semi-global or block matching, all disparities or those near which anything is seen,
+// pixels of a side that are made one.
 void BM_StereoMatching(benchmark::State& state) {
+  perception::StereoOptions options;
+  if (state.range(0) == 1) options.method = perception::StereoMethod::kBlockMatching;
+  options.narrow_search = state.range(1) == 1;
+  const int binning = static_cast<int>(state.range(2));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(perception::disparity_by_sgbm(
-        chain().images.left, chain().images.right, chain().scene.camera.camera));
+    benchmark::DoNotOptimize(perception::match_stereo(
+        perception::binned(chain().images.left, binning),
+        perception::binned(chain().images.right, binning),
+        perception::binned(chain().scene.camera.camera, binning), options));
   }
 }
-BENCHMARK(BM_StereoMatching)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_StereoMatching)
+    ->Unit(benchmark::kMillisecond)
+    ->ArgNames({"block", "narrow", "binning"})
+    ->ArgsProduct({{0, 1}, {0, 1}, {1, 2}});
 
 void BM_Segmentation(benchmark::State& state) {
   for (auto _ : state) {

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "eval/structured_light.h"
+#include "prehend/perception/binning.h"
+#include "prehend/perception/stereo.h"
 #include "prehend/surface/deviation.h"
 
 namespace prehend::eval {
@@ -28,6 +30,36 @@ Eigen::Vector3d area_centroid(const geometry::TriangleMesh& mesh) {
   return sum / total;
 }
 
+// Binned by the options.
+geometry::DepthImage depth_by(const RenderedScene& rendered, const simulation::StereoImages& images,
+                              const fidelity::SeeingOptions& options) {
+  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
+  if (rendered.sensor == DepthSensor::kStructuredLight) {
+    return perception::binned(
+        structured_light(images.depth, images.labels, camera.left,
+                         {.missing = rendered.missing, .seed = rendered.scene.camera.seed}),
+        options.binning);
+  }
+  const geometry::StereoCamera binned = perception::binned(camera, options.binning);
+  return perception::depth_from_disparity(
+      perception::stereo_disparity(perception::binned(images.left, options.binning),
+                                   perception::binned(images.right, options.binning), binned,
+                                   options.stereo),
+      binned);
+}
+
+// One label of the pixels that a mask's pixel covers.
+geometry::Image<std::int16_t> labels_at(const geometry::MaskImage& mask,
+                                        const geometry::Image<std::int16_t>& labels) {
+  if (mask.width == labels.width) return labels;
+  const int n = labels.width / std::max(mask.width, 1);
+  geometry::Image<std::int16_t> own(mask.width, mask.height);
+  for (int v = 0; v < own.height; ++v) {
+    for (int u = 0; u < own.width; ++u) own.at(u, v) = labels.at(n * u + n / 2, n * v + n / 2);
+  }
+  return own;
+}
+
 }  // namespace
 
 double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
@@ -46,7 +78,8 @@ std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
   std::optional<std::size_t> best;
   double most = kLeastOverlap;
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
-    const double overlap = mask_iou(scene.objects[k].mask, labels, 0);
+    const geometry::MaskImage& mask = scene.objects[k].mask;
+    const double overlap = mask_iou(mask, labels_at(mask, labels), 0);
     if (overlap <= most) continue;
     most = overlap;
     best = k;
@@ -72,15 +105,8 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
 }
 
 geometry::DepthImage seen_depth(const RenderedScene& rendered,
-                                const simulation::StereoImages& images,
-                                const perception::StereoOptions& options) {
-  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
-  if (rendered.sensor == DepthSensor::kStructuredLight) {
-    return structured_light(images.depth, images.labels, camera.left,
-                            {.missing = rendered.missing, .seed = rendered.scene.camera.seed});
-  }
-  return perception::depth_from_disparity(
-      perception::match_stereo(images.left, images.right, camera, options).disparity, camera);
+                                const simulation::StereoImages& images) {
+  return depth_by(rendered, images, {});
 }
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
@@ -93,8 +119,14 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
 }
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
-                                      const simulation::StereoImages& images) {
-  return seen_scene(rendered, images, seen_depth(rendered, images));
+                                      const simulation::StereoImages& images,
+                                      const fidelity::SeeingOptions& options) {
+  const geometry::PinholeCamera camera =
+      perception::binned(rendered.scene.camera.camera.left, options.binning);
+  const geometry::PointCloud cloud_C =
+      perception::cloud_from_depth(depth_by(rendered, images, options), camera,
+                                   perception::binned(images.left, options.binning));
+  return perception::segment(cloud_C, camera, rendered.scene.camera.X_WC(), options.segmentation);
 }
 
 CaseResult run_case(const Case& one, const std::vector<Method>& methods) {

@@ -7,8 +7,8 @@
 #include "eval/case_result.h"
 #include "eval/data_sets.h"
 #include "eval/reconstruction_methods.h"
+#include "prehend/fidelity/chain_settings.h"
 #include "prehend/perception/segmentation.h"
-#include "prehend/perception/stereo.h"
 #include "prehend/simulation/stereo_renderer.h"
 
 namespace prehend::eval {
@@ -17,14 +17,14 @@ namespace prehend::eval {
 double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
                 std::int16_t label);
 
-/// The object whose mask has the largest overlap with body 0's pixels; none when all have little.
+/// The object whose mask has the largest overlap with body 0's pixels, of which a mask's pixel may
+/// cover several; none when all have little.
 std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
                                      const geometry::Image<std::int16_t>& labels);
 
 /// What the scene's sensor measures: stereo matching of the rendered pair, or structured light.
 geometry::DepthImage seen_depth(const RenderedScene& rendered,
-                                const simulation::StereoImages& images,
-                                const perception::StereoOptions& options = {});
+                                const simulation::StereoImages& images);
 
 /// What segmentation makes of that depth.
 /// @throws geometry::InputError when it finds no table.
@@ -32,8 +32,11 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,
                                       const geometry::DepthImage& depth,
                                       const perception::SegmentationOptions& options = {});
+
+/// Both, as `options` say; masks and camera are binned by them.
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
-                                      const simulation::StereoImages& images);
+                                      const simulation::StereoImages& images,
+                                      const fidelity::SeeingOptions& options = {});
 
 /// Renders the case's stereo pair, matches it, segments it and lets each method complete the object
 /// at the table's centre; then measures each mesh against the truth in its known pose.

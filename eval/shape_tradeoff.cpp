@@ -53,12 +53,12 @@ std::optional<Seen> seen_by(const Case& one, const RenderedScene& rendered,
   seen.one = &one;
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
   const double start = processor_time();
-  const perception::StereoMatch match =
-      perception::match_stereo(images.left, images.right, camera, options);
+  const perception::DisparityImage disparity =
+      perception::stereo_disparity(images.left, images.right, camera, options);
   seen.stereo_seconds = processor_time() - start;
   try {
     seen.scene =
-        perception::segment(perception::cloud_from_disparity(match.disparity, camera, images.left),
+        perception::segment(perception::cloud_from_disparity(disparity, camera, images.left),
                             camera.left, rendered.scene.camera.X_WC());
   } catch (const geometry::InputError&) {
     return std::nullopt;  // no table: counted as not found

@@ -33,14 +33,11 @@ Setting of_knobs(Knobs knobs) {
 }
 
 std::vector<Setting> seeing_settings() {
-  std::vector<Setting> settings;
-  for (const auto& [stereo, clustering] :
-       std::initializer_list<std::pair<const char*, const char*>>{{"block_matching", "organized"},
-                                                                  {"semi_global", "organized"},
-                                                                  {"semi_global", "euclidean"}}) {
-    settings.push_back(of_knobs({{"stereo", stereo}, {"clustering", clustering}}));
-  }
-  return settings;
+  const auto seeing = [](const char* binning, const char* stereo, const char* clustering) {
+    return of_knobs({{"binning", binning}, {"stereo", stereo}, {"clustering", clustering}});
+  };
+  return {seeing("4", "semi_global", "organized"), seeing("2", "block_matching", "organized"),
+          seeing("2", "semi_global", "organized"), seeing("1", "semi_global", "euclidean")};
 }
 
 std::vector<Setting> shape_settings() {

@@ -56,9 +56,7 @@ SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_
 
 SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
                       const fidelity::SeeingOptions& options) {
-  SeenObject seen{seen_scene(rendered, images, seen_depth(rendered, images, options.stereo),
-                             options.segmentation),
-                  0};
+  SeenObject seen{seen_scene(rendered, images, options), 0};
   const std::optional<std::size_t> object = object_of(seen.scene, images.labels);
   if (!object) {
     throw geometry::InputError("The object was not found on the table",

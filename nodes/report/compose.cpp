@@ -23,6 +23,7 @@
 #include "nodes/report/truth_section.h"
 #include "prehend/control/surprise.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/perception/binning.h"
 #include "prehend/report/pictures.h"
 
 namespace prehend::nodes {
@@ -88,6 +89,9 @@ void add_view(Page& page, const Collected& collected) {
                            " (red near, blue far, black unknown)");
       }
       if (seen.empty()) seen = ColorImage(scene.camera.width, scene.camera.height, {230, 230, 230});
+      // What was segmented may be of fewer pixels than what was seen.
+      const int binning = seen.width / std::max(scene.camera.width, 1);
+      if (binning > 1) seen = perception::binned(seen, binning);
       if (seen.width == scene.camera.width && seen.height == scene.camera.height) {
         std::vector<geometry::MaskImage> masks;
         for (const auto& object : scene.objects) masks.push_back(object.mask);

@@ -19,8 +19,10 @@
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
 #include "nodes/stage_fidelity/stage_fidelity.h"
+#include "nodes/stereo_segmentation/stereo_parameters.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/perception/binning.h"
 #include "prehend/perception/dark_background.h"
 #include "prehend/perception/refinement.h"
 #include "prehend/perception/segmentation.h"
@@ -31,26 +33,7 @@ namespace {
 
 using namespace prehend;
 
-void declare_method_parameters(graph::Node& node) {
-  const perception::StereoOptions o;
-  node.declare_parameter<std::string>(
-      {.name = "method",
-       .default_value = "semi_global",
-       .choices = {"semi_global", "block_matching"},
-       .description = "of stereo matching; block matching is faster and needs more texture"});
-  node.declare_parameter<bool>({.name = "match_both_ways",
-                                .default_value = o.match_both_ways,
-                                .description = "match from the right image, too, for a confidence "
-                                               "that knows of occlusions; doubles the time"});
-  node.declare_parameter<bool>({.name = "filter",
-                                .default_value = o.filter,
-                                .description = "fill small holes and smooth, up to edges of the "
-                                               "left image"});
-  node.declare_parameter<double>({.name = "minimum_confidence",
-                                  .default_value = o.min_confidence,
-                                  .minimum = 0.0,
-                                  .maximum = 1.0,
-                                  .description = "less sure disparities are dropped"});
+void declare_image_parameters(graph::Node& node) {
   node.declare_parameter<std::string>(
       {.name = "background",
        .default_value = "table",
@@ -63,117 +46,19 @@ void declare_method_parameters(graph::Node& node) {
                                                "a graph cut"});
 }
 
-void declare_stereo_parameters(graph::Node& node) {
-  const perception::StereoOptions o;
-  const auto declare_count = [&node](const char* name, int value, int minimum, int maximum,
-                                     const char* description) {
-    node.declare_parameter<int>({.name = name,
-                                 .default_value = value,
-                                 .unit = "px",
-                                 .minimum = minimum,
-                                 .maximum = maximum,
-                                 .description = description});
-  };
-  node.declare_parameter<std::string>(
-      {.name = "world",
-       .default_value = "camera",
-       .choices = {"camera", "table"},
-       .description = "frame of the objects: that of the camera's pose, or made from the table, as "
-                      "it is for cameras without a known pose"});
-  node.declare_parameter<std::string>(
-      {.name = "input",
-       .default_value = "stereo",
-       .choices = {"stereo", "depth"},
-       .description = "what is looked at: /camera/stereo, or /camera/depth of a depth camera, of "
-                      "which nothing is matched",
-       .read_only = true});
-  node.declare_parameter<std::string>(
-      {.name = "process",
-       .default_value = "once_per_scene",
-       .choices = {"once_per_scene", "every"},
-       .description = "which images are looked at: the first after the simulated scene changed "
-                      "(recordings: each), or every one"});
-  node.declare_parameter<double>({.name = "minimum_depth",
-                                  .default_value = o.min_depth,
-                                  .unit = "m",
-                                  .minimum = 0.01,
-                                  .maximum = 100.0,
-                                  .description = "nearest depth looked for; smaller costs time"});
-  node.declare_parameter<double>({.name = "maximum_depth",
-                                  .default_value = o.max_depth,
-                                  .unit = "m",
-                                  .minimum = 0.02,
-                                  .maximum = 1000.0,
-                                  .description = "farthest depth looked for"});
-  declare_count("block_size", o.block_size, 1, 21, "side of the matched window, odd");
-  declare_count("small_step_penalty", o.small_step_penalty, 1, 1000,
-                "cost of a disparity step of one pixel");
-  declare_count("large_step_penalty", o.large_step_penalty, 2, 1000,
-                "cost of a larger step; more than small_step_penalty");
-  declare_count("gradient_cap", o.gradient_cap, 1, 127, "clips the derivative that is compared");
-  node.declare_parameter<int>({.name = "uniqueness_percent",
-                               .default_value = o.uniqueness_percent,
-                               .unit = "%",
-                               .minimum = 0,
-                               .maximum = 100,
-                               .description = "by which the best match must win"});
-  declare_count("speckle_size", o.speckle_size, 0, 100000, "smaller patches are dropped");
-  declare_count("speckle_range", o.speckle_range, 1, 100, "disparity step within a patch");
-  declare_count("left_right_tolerance", o.left_right_tolerance, -1, 100,
-                "of the left-right check; -1: no check");
-  node.declare_parameter<bool>({.name = "eight_directions",
-                                .default_value = o.eight_directions,
-                                .description = "the full two-pass algorithm"});
-}
-
-// A depth image is not matched: what is given for it would do nothing.
-void refuse_stereo_parameters(const graph::Node& node) {
-  for (const char* name :
-       {"method", "match_both_ways", "filter", "minimum_confidence", "minimum_depth",
-        "maximum_depth", "block_size", "small_step_penalty", "large_step_penalty", "gradient_cap",
-        "uniqueness_percent", "speckle_size", "speckle_range", "left_right_tolerance",
-        "eight_directions"}) {
-    if (!node.is_parameter_given(name)) continue;
-    throw geometry::InputError(
-        std::string("Parameter ") + name + " is of stereo matching, and input is depth",
-        "Leave it away");
-  }
-}
-
-perception::StereoOptions stereo_options(const graph::Node& node) {
-  perception::StereoOptions o;
-  o.min_depth = node.parameter<double>("minimum_depth");
-  o.max_depth = node.parameter<double>("maximum_depth");
-  o.block_size = node.parameter<int>("block_size");
-  o.small_step_penalty = node.parameter<int>("small_step_penalty");
-  o.large_step_penalty = node.parameter<int>("large_step_penalty");
-  o.gradient_cap = node.parameter<int>("gradient_cap");
-  o.uniqueness_percent = node.parameter<int>("uniqueness_percent");
-  o.speckle_size = node.parameter<int>("speckle_size");
-  o.speckle_range = node.parameter<int>("speckle_range");
-  o.left_right_tolerance = node.parameter<int>("left_right_tolerance");
-  o.eight_directions = node.parameter<bool>("eight_directions");
-  if (node.parameter<std::string>("method") == "block_matching") {
-    o.method = perception::StereoMethod::kBlockMatching;
-  }
-  o.match_both_ways = node.parameter<bool>("match_both_ways");
-  o.filter = node.parameter<bool>("filter");
-  o.min_confidence = node.parameter<double>("minimum_confidence");
-  return o;
-}
-
 constexpr std::chrono::milliseconds kLookPatience(50);  // wall time, to see whether it is cancelled
 
 class StereoSegmentation {
  public:
   explicit StereoSegmentation(graph::Node& node) : node_(node) {
-    declare_stereo_parameters(node);
-    declare_method_parameters(node);
+    nodes::declare_stereo_parameters(node);
+    declare_image_parameters(node);
     nodes::declare_segmentation_parameters(node, false);
-    fidelity_.emplace(node, fidelity::Stage::kSeeing,
-                      std::vector<std::string>{"method", "eight_directions", "clustering"});
+    fidelity_.emplace(
+        node, fidelity::Stage::kSeeing,
+        std::vector<std::string>{"method", "eight_directions", "clustering", "binning"});
     const bool takes_depth = node.parameter<std::string>("input") == "depth";
-    if (takes_depth) refuse_stereo_parameters(node);
+    if (takes_depth) nodes::refuse_stereo_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
     camera_ = node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::queue(1),
                                                [this](const graph::Received<msgs::CameraInfo>& m) {
@@ -231,8 +116,7 @@ class StereoSegmentation {
     const geometry::StereoCamera camera = convert::from_message(taken_by_);
     const convert::StereoImages images = convert::from_message(pair);
     return perception::depth_from_disparity(
-        perception::match_stereo(images.left, images.right, camera, seeing().stereo).disparity,
-        camera);
+        perception::stereo_disparity(images.left, images.right, camera, seeing().stereo), camera);
   }
   static geometry::DepthImage depth_of(const msgs::DepthImage& message) {
     return convert::from_message(message).depth;
@@ -289,7 +173,8 @@ class StereoSegmentation {
 
   // By the parameters' values now, or by the front.
   fidelity::SeeingOptions seeing() const {
-    fidelity::SeeingOptions options{stereo_options(node_), nodes::segmentation_options(node_)};
+    fidelity::SeeingOptions options{node_.parameter<int>("binning"), nodes::stereo_options(node_),
+                                    nodes::segmentation_options(node_)};
     if (const auto& chosen = fidelity_->chosen()) {
       fidelity::apply_seeing_setting(chosen->setting, &options);
     }
@@ -299,24 +184,30 @@ class StereoSegmentation {
   msgs::ObjectHypotheses segment(const msgs::StereoPair& pair) {
     nodes::StageClock clock;
     msgs::ObjectHypotheses times;
-    const geometry::StereoCamera camera = convert::from_message(taken_by_);
+    const fidelity::SeeingOptions options = seeing();
+    const geometry::StereoCamera camera =
+        perception::binned(convert::from_message(taken_by_), options.binning);
     const convert::StereoImages images = convert::from_message(pair);
-    const perception::DisparityImage disparity =
-        perception::match_stereo(images.left, images.right, camera, seeing().stereo).disparity;
+    const geometry::ColorImage left = perception::binned(images.left, options.binning);
+    const perception::DisparityImage disparity = perception::stereo_disparity(
+        left, perception::binned(images.right, options.binning), camera, options.stereo);
     clock.end_stage(times, "disparity");
-    const geometry::PointCloud cloud_C =
-        perception::cloud_from_disparity(disparity, camera, images.left);
+    const geometry::PointCloud cloud_C = perception::cloud_from_disparity(disparity, camera, left);
     clock.end_stage(times, "cloud");
-    return segment(cloud_C, images.left, camera, clock, std::move(times));
+    return segment(cloud_C, left, camera, clock, std::move(times));
   }
 
   msgs::ObjectHypotheses segment(const msgs::DepthImage& message) {
     nodes::StageClock clock;
     msgs::ObjectHypotheses times;
-    const geometry::StereoCamera camera = convert::from_message(taken_by_);
+    const int binning = seeing().binning;
+    const geometry::StereoCamera camera =
+        perception::binned(convert::from_message(taken_by_), binning);
     const convert::ColoredDepth image = convert::from_message(message);
+    geometry::ColorImage color;
+    if (!image.color.empty()) color = perception::binned(image.color, binning);
     const geometry::PointCloud cloud_C =
-        perception::cloud_from_depth(image.depth, camera.left, image.color);
+        perception::cloud_from_depth(perception::binned(image.depth, binning), camera.left, color);
     clock.end_stage(times, "cloud");
     if (image.color.empty() && (node_.parameter<std::string>("background") == "dark" ||
                                 node_.parameter<bool>("refine_masks"))) {
@@ -325,7 +216,7 @@ class StereoSegmentation {
           "refine_masks look at",
           "Start the depth camera with colour, or leave them away");
     }
-    return segment(cloud_C, image.color, camera, clock, std::move(times));
+    return segment(cloud_C, color, camera, clock, std::move(times));
   }
 
   // `colors` are the cloud's pixels, or empty.

@@ -21,6 +21,7 @@ const char* to_string(Stage stage);
 
 /// What turns images into segmented objects.
 struct SeeingOptions {
+  int binning = 1;  // pixels of a side that are made one first, see perception/binning.h
   perception::StereoOptions stereo;
   perception::SegmentationOptions segmentation;
 };
@@ -28,6 +29,7 @@ struct SeeingOptions {
 /// Sets the options that a setting chooses; all others stay as they are. Knobs (all optional):
 ///   stereo      semi_global | block_matching | eight_directions
 ///   clustering  euclidean | organized
+///   binning     1 | 2 | 4
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 void apply_seeing_setting(const Setting& setting, SeeingOptions* options);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "prehend/geometry/rotation_between.h"
@@ -64,15 +65,9 @@ BatchScene::Node bound_of(const std::vector<Placed>& balls) {
   return node;
 }
 
-/// Where balls of RobotSpheres stand in a scene.
-struct Places {
-  std::vector<int> tree, leaf;  // of each ball
-};
-
 /// Adds a node for balls and those under it: they are split at the middle of their longest extent
 /// until they are few.
-void add_nodes(std::vector<Placed> balls, BatchScene::Tree& tree, BatchScene& scene,
-               Places& places) {
+void add_nodes(std::vector<Placed> balls, BatchScene::Tree& tree, BatchScene& scene) {
   const auto at = scene.nodes.size();
   if (balls.size() > 1) scene.nodes.push_back(bound_of(balls));
   if (balls.size() > kLargestGroup) {
@@ -84,13 +79,13 @@ void add_nodes(std::vector<Placed> balls, BatchScene::Tree& tree, BatchScene& sc
       return a.p[axis] != b.p[axis] ? a.p[axis] < b.p[axis] : a.index < b.index;
     });
     const auto middle = balls.begin() + static_cast<std::ptrdiff_t>(balls.size() / 2);
-    add_nodes({balls.begin(), middle}, tree, scene, places);
-    add_nodes({middle, balls.end()}, tree, scene, places);
+    add_nodes({balls.begin(), middle}, tree, scene);
+    add_nodes({middle, balls.end()}, tree, scene);
   } else {
     for (const Placed& ball : balls) {
       const auto index = static_cast<std::size_t>(ball.index);
-      places.tree[index] = static_cast<int>(scene.trees.size());
-      places.leaf[index] = tree.leaves;
+      scene.ball_tree[index] = static_cast<int>(scene.trees.size());
+      scene.ball_leaf[index] = tree.leaves;
       BatchScene::Node leaf;
       leaf.ball = make_ball(ball.p, ball.radius);
       leaf.next = static_cast<int>(scene.nodes.size()) + 1;
@@ -151,8 +146,10 @@ void find_candidates(const Reach& reach, const CollisionWorld& world, BatchScene
   }
 }
 
-/// Lists which trees, and which of their balls, must not touch each other.
-void add_pairs(const RobotSpheres& spheres, const Places& places, BatchScene& scene) {
+/// Lists which trees, and which of their balls, must not touch each other, of the pairs of spheres
+/// from the `first` on.
+void add_pairs(const RobotSpheres& spheres, std::size_t first, BatchScene& scene) {
+  const std::span pairs = std::span(spheres.self_pairs).subspan(first);
   // The tree of the joint that comes first is `a`.
   const auto ordered = [&](const std::pair<int, int>& pair) {
     auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
@@ -161,11 +158,11 @@ void add_pairs(const RobotSpheres& spheres, const Places& places, BatchScene& sc
   };
   const std::size_t trees = scene.trees.size();
   const auto key_of = [&](std::size_t a, std::size_t b) {
-    return static_cast<std::size_t>(places.tree[a]) * trees +
-           static_cast<std::size_t>(places.tree[b]);
+    return static_cast<std::size_t>(scene.ball_tree[a]) * trees +
+           static_cast<std::size_t>(scene.ball_tree[b]);
   };
   std::vector<std::size_t> counts(trees * trees, 0);
-  for (const auto& pair : spheres.self_pairs) {
+  for (const auto& pair : pairs) {
     const auto [a, b] = ordered(pair);
     ++counts[key_of(a, b)];
   }
@@ -181,14 +178,14 @@ void add_pairs(const RobotSpheres& spheres, const Places& places, BatchScene& sc
     }
     scene.tree_pairs.push_back(std::move(pair));
   }
-  for (const auto& one : spheres.self_pairs) {
+  for (const auto& one : pairs) {
     const auto [a, b] = ordered(one);
     const int at = pair_of[key_of(a, b)];
     if (at < 0) continue;
     BatchScene::TreePair& pair = scene.tree_pairs[static_cast<std::size_t>(at)];
     pair.must_not[static_cast<std::size_t>(
-        places.leaf[a] * scene.trees[static_cast<std::size_t>(pair.b)].leaves + places.leaf[b])] =
-        true;
+        scene.ball_leaf[a] * scene.trees[static_cast<std::size_t>(pair.b)].leaves +
+        scene.ball_leaf[b])] = true;
   }
 }
 
@@ -222,28 +219,25 @@ BatchScene::Obstacle make_obstacle(const CollisionWorld::Obstacle& from, double 
   return obstacle;
 }
 
-}  // namespace
-
-BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpheres& spheres,
-                            std::size_t own, const CollisionWorld& world, double margin) {
-  BatchScene scene;
-  // A joint's own frame, turned so that its axis is z.
+/// Axis z to each joint's own.
+std::vector<Eigen::Quaterniond> turned_frames(const robot::KinematicChain& chain) {
   std::vector<Eigen::Quaterniond> turned;
   for (const robot::ChainJoint& joint : chain.joints()) {
     turned.push_back(geometry::rotation_between(Vector3d::UnitZ(), joint.axis_J));
-    Eigen::Matrix3d R = joint.X_PJ.linear() * turned.back().toRotationMatrix();
-    Vector3d t = joint.X_PJ.translation();
-    if (turned.size() > 1) {
-      const Eigen::Matrix3d back = turned[turned.size() - 2].conjugate().toRotationMatrix();
-      R = back * R;
-      t = back * t;
-    }
-    scene.joints.push_back({rows(R), floats(t), joint.is_revolute});
   }
+  return turned;
+}
+
+/// Adds trees of the spheres from the `first` on, one for each part of each link.
+void add_trees(const robot::KinematicChain& chain, const RobotSpheres& spheres, std::size_t first,
+               bool held, BatchScene& scene) {
+  const std::vector<Eigen::Quaterniond> turned = turned_frames(chain);
+  scene.ball_tree.resize(spheres.spheres.size());
+  scene.ball_leaf.resize(spheres.spheres.size());
   std::map<std::array<int, 3>, std::vector<Placed>> links;
-  for (std::size_t i = 0; i < spheres.spheres.size(); ++i) {
+  for (std::size_t i = first; i < spheres.spheres.size(); ++i) {
     const RobotSphere& sphere = spheres.spheres[i];
-    const Part part = part_of_ball(sphere, i >= own, chain.size());
+    const Part part = part_of_ball(sphere, held, chain.size());
     const Vector3d p =
         sphere.joint < 0
             ? sphere.p_J
@@ -251,23 +245,55 @@ BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpher
     links[{sphere.joint, static_cast<int>(part), sphere.link}].push_back(
         {p, sphere.radius + kRounding, static_cast<int>(i)});
   }
-  Places places{std::vector<int>(spheres.spheres.size()), std::vector<int>(spheres.spheres.size())};
   // The last joint's first: it is in the way most often.
   for (auto at = links.rbegin(); at != links.rend(); ++at) {
     BatchScene::Tree tree;
     tree.joint = at->first[0];
     tree.part = at->first[1];
     tree.first = static_cast<int>(scene.nodes.size());
-    add_nodes(std::move(at->second), tree, scene, places);
+    add_nodes(std::move(at->second), tree, scene);
     tree.last = static_cast<int>(scene.nodes.size());
     scene.trees.push_back(std::move(tree));
   }
-  add_pairs(spheres, places, scene);
+}
+
+}  // namespace
+
+BatchScene make_batch_robot(const robot::KinematicChain& chain, const RobotSpheres& spheres) {
+  BatchScene scene;
+  // A joint's own frame, turned so that its axis is z.
+  const std::vector<Eigen::Quaterniond> turned = turned_frames(chain);
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    const robot::ChainJoint& joint = chain.joints()[i];
+    Eigen::Matrix3d R = joint.X_PJ.linear() * turned[i].toRotationMatrix();
+    Vector3d t = joint.X_PJ.translation();
+    if (i > 0) {
+      const Eigen::Matrix3d back = turned[i - 1].conjugate().toRotationMatrix();
+      R = back * R;
+      t = back * t;
+    }
+    scene.joints.push_back({rows(R), floats(t), joint.is_revolute});
+  }
+  add_trees(chain, spheres, 0, false, scene);
+  add_pairs(spheres, 0, scene);
+  return scene;
+}
+
+void hold_in_batch(const robot::KinematicChain& chain, const RobotSpheres& spheres,
+                   std::size_t own_pairs, BatchScene& scene) {
+  add_trees(chain, spheres, scene.ball_tree.size(), true, scene);
+  add_pairs(spheres, own_pairs, scene);
+}
+
+void place_in_batch(const robot::KinematicChain& chain, const CollisionWorld& world, double margin,
+                    BatchScene& scene) {
+  scene.obstacles.clear();
+  scene.faces.clear();
+  for (BatchScene::Tree& tree : scene.trees) tree.obstacles.clear();
   for (const CollisionWorld::Obstacle& from : world.obstacles()) {
     scene.obstacles.push_back(make_obstacle(from, margin, scene));
   }
   find_candidates(reach_of(chain), world, scene);
-  return scene;
 }
 
 }  // namespace prehend::motion

@@ -75,10 +75,19 @@ struct BatchScene {
   std::vector<TreePair> tree_pairs;
   std::vector<Obstacle> obstacles;
   std::vector<Face> faces;
+  std::vector<int> ball_tree, ball_leaf;  // of each sphere: its tree, its place in that
 };
 
-/// @param own how many of the spheres are the robot's; the others are held.
-BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpheres& spheres,
-                            std::size_t own, const CollisionWorld& world, double margin);
+/// The robot alone, which is what takes time: balls round its balls are drawn.
+BatchScene make_batch_robot(const robot::KinematicChain& chain, const RobotSpheres& spheres);
+
+/// Adds what the robot holds to what make_batch_robot() made of it: the spheres that came after
+/// its own, and the pairs after `own_pairs`.
+void hold_in_batch(const robot::KinematicChain& chain, const RobotSpheres& spheres,
+                   std::size_t own_pairs, BatchScene& scene);
+
+/// Puts the world's obstacles in the place of those that are there.
+void place_in_batch(const robot::KinematicChain& chain, const CollisionWorld& world, double margin,
+                    BatchScene& scene);
 
 }  // namespace prehend::motion

@@ -40,12 +40,14 @@ RobotInWorld::RobotInWorld(robot::KinematicChain chain, RobotSpheres spheres, Co
       world_(std::move(world)),
       margin_(margin),
       own_(spheres_.spheres.size()),
-      own_pairs_(spheres_.self_pairs.size()) {
+      own_pairs_(spheres_.self_pairs.size()),
+      own_batch_(std::make_shared<const BatchScene>(make_batch_robot(chain_, spheres_))),
+      batch_(*own_batch_) {
   compile();
 }
 
 void RobotInWorld::compile() {
-  batch_ = make_batch_scene(chain_, spheres_, own_, world_, margin_);
+  place_in_batch(chain_, world_, margin_, batch_);
   if (shapes_) {
     shapes_ = std::make_shared<const ShapesInWorld>(shapes_->shared_robot(), world_, margin_,
                                                     shapes_.get());
@@ -107,11 +109,13 @@ void RobotInWorld::hold(const std::vector<RobotSphere>& balls_T) {
       spheres_.self_pairs.emplace_back(static_cast<int>(other), index);
     }
   }
+  hold_in_batch(chain_, spheres_, own_pairs_, batch_);
 }
 
 void RobotInWorld::let_go() {
   spheres_.spheres.resize(own_);
   spheres_.self_pairs.resize(own_pairs_);
+  batch_ = *own_batch_;
 }
 
 void RobotInWorld::detach() {

@@ -118,6 +118,7 @@ class RobotInWorld final : public FreeSpace {
   double margin_;
   std::size_t own_;  // spheres that are not attached
   std::size_t own_pairs_;
+  std::shared_ptr<const BatchScene> own_batch_;  // of the robot alone, with nothing round it
   BatchScene batch_;
   /// m: the way of a ball of joint k is at most (k, j) for each radian (for each m: 1) of joint j.
   Eigen::MatrixXd levers_;

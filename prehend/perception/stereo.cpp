@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/perception/disparity_search.h"
 #include "prehend/perception/stereo_confidence.h"
 #include "prehend/text/require.h"
 
@@ -147,9 +148,35 @@ DisparityImage right_disparity_of(const cv::Mat& left, const cv::Mat& right,
   return disparity;
 }
 
-// `left` and `right` are what is matched, `grey` guides filter and confidence.
-StereoMatch match_both(const cv::Mat& left, const cv::Mat& right, const GreyImage& grey,
-                       const DisparityRange& range, const StereoOptions& options) {
+// A pair as it is matched.
+struct Pair {
+  GreyImage grey, right_grey;  // `grey` guides filter and confidence
+  cv::Mat left, right;         // of the images or of the greys
+  DisparityRange range;
+};
+
+void set_range(Pair& pair, const GreyImage& left, const GreyImage& right,
+               const geometry::StereoCamera& camera, const StereoOptions& options) {
+  pair.range = options.narrow_search ? seen_disparity_range(left, right, camera, options)
+                                     : disparity_range(camera, options);
+}
+
+// Refers to the images.
+Pair pair_of(const geometry::ColorImage& left, const geometry::ColorImage& right,
+             const geometry::StereoCamera& camera, const StereoOptions& options) {
+  check_options(options);
+  check_images(left, right, camera.left);
+  const bool colors = options.method == StereoMethod::kSemiGlobal;  // StereoBM knows none
+  Pair pair{grey_of(left), {}, {}, {}, {}};
+  if (!colors || options.narrow_search) pair.right_grey = grey_of(right);
+  set_range(pair, pair.grey, pair.right_grey, camera, options);
+  pair.left = colors ? matrix_of(left, CV_8UC3) : matrix_of(pair.grey, CV_8UC1);
+  pair.right = colors ? matrix_of(right, CV_8UC3) : matrix_of(pair.right_grey, CV_8UC1);
+  return pair;
+}
+
+StereoMatch match_both(const Pair& pair, const StereoOptions& options) {
+  const auto& [grey, right_grey, left, right, range] = pair;
   StereoMatch result;
   result.disparity = match(left, right, range, options);
   DisparityImage right_disparity;
@@ -217,21 +244,24 @@ GreyImage grey_of(const geometry::ColorImage& image) {
 
 StereoMatch match_stereo(const geometry::ColorImage& left, const geometry::ColorImage& right,
                          const geometry::StereoCamera& camera, const StereoOptions& options) {
-  const DisparityRange range = disparity_range(camera, options);
-  check_images(left, right, camera.left);
-  const GreyImage grey = grey_of(left);
-  if (options.method == StereoMethod::kSemiGlobal) {
-    return match_both(matrix_of(left, CV_8UC3), matrix_of(right, CV_8UC3), grey, range, options);
-  }
-  const GreyImage right_grey = grey_of(right);  // StereoBM knows no colour
-  return match_both(matrix_of(grey, CV_8UC1), matrix_of(right_grey, CV_8UC1), grey, range, options);
+  return match_both(pair_of(left, right, camera, options), options);
 }
 
 StereoMatch match_stereo(const GreyImage& left, const GreyImage& right,
                          const geometry::StereoCamera& camera, const StereoOptions& options) {
-  const DisparityRange range = disparity_range(camera, options);
+  check_options(options);
   check_images(left, right, camera.left);
-  return match_both(matrix_of(left, CV_8UC1), matrix_of(right, CV_8UC1), left, range, options);
+  Pair pair{left, {}, matrix_of(left, CV_8UC1), matrix_of(right, CV_8UC1), {}};
+  set_range(pair, left, right, camera, options);
+  return match_both(pair, options);
+}
+
+DisparityImage stereo_disparity(const geometry::ColorImage& left, const geometry::ColorImage& right,
+                                const geometry::StereoCamera& camera,
+                                const StereoOptions& options) {
+  const Pair pair = pair_of(left, right, camera, options);
+  if (options.filter || options.min_confidence > 0) return match_both(pair, options).disparity;
+  return match(pair.left, pair.right, pair.range, options);
 }
 
 DisparityImage disparity_by_sgbm(const geometry::ColorImage& left,

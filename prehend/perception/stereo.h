@@ -36,6 +36,8 @@ struct StereoOptions {
   int speckle_range = 2;          // pixels of disparity within one patch
   int left_right_tolerance = 1;   // pixels; -1 switches the left-right check off
   bool eight_directions = false;  // full two-pass algorithm: better, 1.6 times slower, more memory
+  /// Search only disparities near which a small match finds anything, see disparity_search.h.
+  bool narrow_search = true;
   /// Match from the right image as well (doubles the time): the confidence then knows of
   /// occlusions.
   bool match_both_ways = false;
@@ -71,13 +73,19 @@ StereoMatch match_stereo(const geometry::ColorImage& left, const geometry::Color
 StereoMatch match_stereo(const GreyImage& left, const GreyImage& right,
                          const geometry::StereoCamera& camera, const StereoOptions& options = {});
 
+/// The disparity of match_stereo() alone: its confidence is only computed where the options ask for
+/// it (filter, min_confidence). @throws as match_stereo().
+DisparityImage stereo_disparity(const geometry::ColorImage& left, const geometry::ColorImage& right,
+                                const geometry::StereoCamera& camera,
+                                const StereoOptions& options = {});
+
 /// Luminance (ITU-R BT.601) of each pixel, rounded.
 GreyImage grey_of(const geometry::ColorImage& image);
 
 /// Disparity of a rectified pair by OpenCV's StereoSGBM (Hirschmueller, "Stereo Processing by
 /// Semiglobal Matching and Mutual Information", PAMI 2008, with Birchfield-Tomasi costs),
-/// without confidence and filter whatever the options say. Cost: about 0.15 s for 640 x 480 x 128
-/// disparities on one core.
+/// without confidence, filter and a narrowed search whatever the options say. Cost: about 0.15 s
+/// for 640 x 480 x 128 disparities on one core.
 /// @throws std::invalid_argument for a bad option, geometry::InputError when the images' sizes
 /// differ from each other or from the camera's.
 DisparityImage disparity_by_sgbm(const geometry::ColorImage& left,
