@@ -43,7 +43,7 @@ std::vector<Setting> seeing_settings() {
 std::vector<Setting> shape_settings() {
   const auto shape = [](const char* thinning, const char* orientations, const char* shifts,
                         const char* refine, const char* spacing, const char* resolution,
-                        const char* alternatives) {
+                        const char* pieces, const char* alternatives) {
     return of_knobs({{"thinning", thinning},
                      {"orientations", orientations},
                      {"shifts", shifts},
@@ -51,12 +51,13 @@ std::vector<Setting> shape_settings() {
                      {"spacing", spacing},
                      {"surface", "fast"},
                      {"resolution", resolution},
+                     {"pieces", pieces},
                      {"alternatives", alternatives}});
   };
-  return {shape("0.1", "15", "11", "no", "0.006", "32", "0"),
-          shape("0.04", "31", "21", "yes", "0.006", "32", "0"),
-          shape("0.02", "61", "41", "yes", "0.004", "64", "0"),
-          shape("0.02", "61", "41", "yes", "0", "64", "2")};
+  return {shape("0.1", "15", "11", "no", "0.006", "32", "0.01", "0"),
+          shape("0.04", "31", "21", "yes", "0.006", "32", "0.008", "0"),
+          shape("0.02", "61", "41", "yes", "0.004", "64", "0.004", "0"),
+          shape("0.02", "61", "41", "yes", "0", "64", "0.004", "2")};
 }
 
 // A parallel gripper has many candidates that cost little each, a hand few that are closed.

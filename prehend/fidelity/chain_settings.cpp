@@ -84,6 +84,10 @@ void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
     } else if (knob == "binning") {
       if (value != "1" && value != "2" && value != "4") refuse_knob(kSeeingSubject, knob, value);
       options->binning = value.front() - '0';
+      // Depth is noisier by as much, and what is no higher than its noise is no object.
+      double& least = options->segmentation.min_object_height;
+      least =
+          std::max(least, options->binning * perception::SegmentationOptions{}.min_object_height);
     } else {
       unknown_knob(kSeeingSubject, knob);
     }

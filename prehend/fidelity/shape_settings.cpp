@@ -41,6 +41,8 @@ ShapeOptions shape_options(const Setting& setting) {
       options.model.surface.method = one_of(knob, value, "fast", "pcl")
                                          ? surface::SurfaceMethod::kFastPoisson
                                          : surface::SurfaceMethod::kPclPoisson;
+    } else if (knob == "pieces") {
+      options.model.convex_pieces.concavity = number<double>(knob, value);
     } else if (knob == "resolution") {
       resolution = number<int>(knob, value);
     } else {

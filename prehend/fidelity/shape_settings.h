@@ -22,6 +22,7 @@ struct ShapeOptions {
 ///   spacing       m, leaf of the voxels that are meshed; 0: 1/90 of the extent
 ///   surface       fast | pcl: fast_poisson or pcl_poisson
 ///   resolution    nodes of the grid (fast) or depth of the octree (pcl)
+///   pieces        m, how far a convex piece may reach beyond the mesh
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 ShapeOptions shape_options(const Setting& setting);
 

@@ -77,18 +77,18 @@ struct Pile {
   }
 };
 
-constexpr geometry::Rgb kRed{200, 40, 40}, kBlue{40, 60, 200}, kGreen{40, 180, 60};
+constexpr geometry::Rgb kLedgeRed{200, 40, 40}, kLedgeBlue{40, 60, 200}, kLedgeGreen{40, 180, 60};
 
 Pile stack(const geometry::Rgb& upper) {
   Pile pile;
-  pile.box({-0.075, -0.05, 0}, {0.075, 0.05, 0.07}, 0, kRed);
+  pile.box({-0.075, -0.05, 0}, {0.075, 0.05, 0.07}, 0, kLedgeRed);
   pile.hide_under({-0.05, -0.035, 0.07}, {0.05, 0.035, 0.13});
   pile.box({-0.05, -0.035, 0.07}, {0.05, 0.035, 0.13}, 1, upper);
   return pile;
 }
 
 TEST(Ledges, DivideAStackOfTwo) {
-  const Pile pile = stack(kBlue);
+  const Pile pile = stack(kLedgeBlue);
   const auto parts = pile.split();
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].size() + parts[1].size(), pile.cloud.size());
@@ -96,9 +96,9 @@ TEST(Ledges, DivideAStackOfTwo) {
 }
 
 TEST(Ledges, DivideAStackOfThree) {
-  Pile pile = stack(kBlue);
+  Pile pile = stack(kLedgeBlue);
   pile.hide_under({-0.03, -0.02, 0.13}, {0.03, 0.02, 0.17});
-  pile.box({-0.03, -0.02, 0.13}, {0.03, 0.02, 0.17}, 2, kGreen);
+  pile.box({-0.03, -0.02, 0.13}, {0.03, 0.02, 0.17}, 2, kLedgeGreen);
   const auto parts = pile.split();
   ASSERT_EQ(parts.size(), 3u);
   EXPECT_GT(pile.agreement(parts), 0.95);
@@ -111,19 +111,19 @@ TEST(Ledges, AStepInOneColourMayBeSeveral) {
     std::iota(members.begin(), members.end(), 0);
     return split_at_ledges(pile.cloud, geometry::Plane{}, members);
   };
-  const auto alike = parts_of(stack(kRed));
+  const auto alike = parts_of(stack(kLedgeRed));
   ASSERT_EQ(alike.size(), 1u);
   EXPECT_TRUE(alike[0].may_be_several);
-  for (const LedgePart& part : parts_of(stack(kBlue))) EXPECT_FALSE(part.may_be_several);
+  for (const LedgePart& part : parts_of(stack(kLedgeBlue))) EXPECT_FALSE(part.may_be_several);
   Pile box;
-  box.box({-0.05, -0.05, 0}, {0.05, 0.05, 0.1}, 0, kRed);
+  box.box({-0.05, -0.05, 0}, {0.05, 0.05, 0.1}, 0, kLedgeRed);
   EXPECT_FALSE(parts_of(box).front().may_be_several);
 }
 
 // Of the middle one only a strip is seen: known colours tell it from a lid.
 TEST(Ledges, ARimIsALedgeWhereTheColorsSaySo) {
-  for (const auto& [upper, parts] : {std::pair{kGreen, 3u}, std::pair{kBlue, 2u}}) {
-    Pile pile = stack(kBlue);
+  for (const auto& [upper, parts] : {std::pair{kLedgeGreen, 3u}, std::pair{kLedgeBlue, 2u}}) {
+    Pile pile = stack(kLedgeBlue);
     pile.hide_under({-0.031, -0.034, 0.13}, {0.049, 0.034, 0.17});
     pile.box({-0.031, -0.034, 0.13}, {0.049, 0.034, 0.17}, 2, upper);
     EXPECT_EQ(pile.split().size(), parts);
@@ -151,10 +151,10 @@ TEST(Ledges, AreBehindSomethingTallerAsFarAsItsShadowReaches) {
   constexpr double kAway = 0.7, kOver = 0.4;  // m, of the camera, along and over the table
   for (const auto& [gap, parts] : {std::pair{0.045, 2u}, std::pair{0.12, 1u}}) {
     Pile pile;
-    pile.box({-0.04, kAway, 0}, {0.04, kAway + 0.06, 0.12}, 0, kRed);
+    pile.box({-0.04, kAway, 0}, {0.04, kAway + 0.06, 0.12}, 0, kLedgeRed);
     for (double x = -0.04; x <= 0.04; x += 0.002) {
       for (double y = 0; y <= 0.05; y += 0.002) {
-        pile.add(x, kAway + 0.06 + gap + y, 0.095, 1, kBlue);
+        pile.add(x, kAway + 0.06 + gap + y, 0.095, 1, kLedgeBlue);
       }
     }
     for (Eigen::Vector3f& p : pile.cloud.points) p.z() -= static_cast<float>(kOver);
@@ -168,10 +168,10 @@ TEST(Ledges, AreBehindSomethingTallerAsFarAsItsShadowReaches) {
 // Nobody can see whether the ledge has a wall under it.
 TEST(Ledges, DivideALowerThingBehindATallerOne) {
   Pile pile;
-  pile.box({-0.04, 0.30, 0}, {0.04, 0.36, 0.1}, 0, kRed);
+  pile.box({-0.04, 0.30, 0}, {0.04, 0.36, 0.1}, 0, kLedgeRed);
   const std::size_t front = pile.cloud.size();
   for (double x = -0.04; x <= 0.04; x += 0.002) {
-    for (double y = 0.37; y <= 0.42; y += 0.002) pile.add(x, y, 0.085, 1, kBlue);
+    for (double y = 0.37; y <= 0.42; y += 0.002) pile.add(x, y, 0.085, 1, kLedgeBlue);
   }
   const auto parts = pile.split();
   ASSERT_EQ(parts.size(), 2u);
@@ -183,8 +183,8 @@ TEST(Ledges, DivideALowerThingBehindATallerOne) {
 
 TEST(Ledges, DivideWhatStandsSideBySide) {
   Pile pile;
-  pile.box({-0.08, -0.03, 0}, {0, 0.03, 0.09}, 0, kRed);
-  pile.box({0.003, -0.03, 0}, {0.07, 0.03, 0.1}, 1, kBlue);
+  pile.box({-0.08, -0.03, 0}, {0, 0.03, 0.09}, 0, kLedgeRed);
+  pile.box({0.003, -0.03, 0}, {0.07, 0.03, 0.1}, 1, kLedgeBlue);
   const auto parts = pile.split();
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_GT(pile.agreement(parts), 0.95);
@@ -193,16 +193,16 @@ TEST(Ledges, DivideWhatStandsSideBySide) {
 // The upper one's front over the lower one's: the lower wall seems to go on.
 TEST(Ledges, ColorsTellFlushFrontsApart) {
   Pile pile;
-  pile.box({-0.075, -0.05, 0}, {0.075, 0.05, 0.07}, 0, kRed);
+  pile.box({-0.075, -0.05, 0}, {0.075, 0.05, 0.07}, 0, kLedgeRed);
   pile.hide_under({-0.04, -0.05, 0.07}, {0.04, 0.05, 0.13});
-  pile.box({-0.04, -0.05, 0.07}, {0.04, 0.05, 0.13}, 1, kBlue);
+  pile.box({-0.04, -0.05, 0.07}, {0.04, 0.05, 0.13}, 1, kLedgeBlue);
   const auto parts = pile.split();
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_GT(pile.agreement(parts), 0.95);
 }
 
 TEST(Ledges, OneColorIsOneThingAndWithoutColorsTheShapeDecides) {
-  Pile pile = stack(kRed);
+  Pile pile = stack(kLedgeRed);
   EXPECT_EQ(pile.split().size(), 1u);
   pile.cloud.colors.clear();
   EXPECT_EQ(pile.split().size(), 2u);
@@ -215,7 +215,7 @@ TEST(Ledges, AreNotTheFloorOfAHollowTheShoulderOfANeckNorABrim) {
   tray.cloud.colors.clear();
   for (double x = -0.1; x <= 0.1; x += 0.002) {
     for (double y = -0.07; y <= 0.07; y += 0.002) {
-      if (std::abs(x) > 0.085 || std::abs(y) > 0.055) tray.add(x, y, 0.06, 0, kRed);
+      if (std::abs(x) > 0.085 || std::abs(y) > 0.055) tray.add(x, y, 0.06, 0, kLedgeRed);
     }
   }
   tray.cloud.colors.clear();
@@ -233,7 +233,7 @@ TEST(Ledges, AreNotTheFloorOfAHollowTheShoulderOfANeckNorABrim) {
   gable.box({-0.04, -0.04, 0}, {0.04, 0.04, 0.1}, 0);
   for (double x = -0.04; x <= 0.04; x += 0.001) {
     for (double y = -0.04; y <= 0.04; y += 0.002) {
-      gable.add(x, y, 0.11 + 0.6 * (0.04 - std::abs(x)), 0, kRed);
+      gable.add(x, y, 0.11 + 0.6 * (0.04 - std::abs(x)), 0, kLedgeRed);
     }
   }
   gable.cloud.colors.clear();
@@ -248,7 +248,7 @@ TEST(Ledges, AreNotTheFloorOfAHollowTheShoulderOfANeckNorABrim) {
 }
 
 TEST(Ledges, KeepEveryPointOfHostileClusters) {
-  Pile pile = stack(kBlue);
+  Pile pile = stack(kLedgeBlue);
   EXPECT_TRUE(split_at_ledges(pile.cloud, geometry::Plane{}, {}, {}).front().members.empty());
   const auto few = split_at_ledges(pile.cloud, geometry::Plane{}, {1, 5, 9}, {});
   ASSERT_EQ(few.size(), 1u);
@@ -259,7 +259,7 @@ TEST(Ledges, KeepEveryPointOfHostileClusters) {
 }
 
 TEST(Ledges, BadOptionsAreRefused) {
-  const Pile pile = stack(kBlue);
+  const Pile pile = stack(kLedgeBlue);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(pile.split({.cell = 0}), std::invalid_argument);
   EXPECT_THROW(pile.split({.cell = nan}), std::invalid_argument);

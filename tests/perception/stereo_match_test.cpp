@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/perception/disparity_filter.h"
+#include "prehend/perception/disparity_search.h"
 #include "prehend/perception/stereo.h"
 #include "prehend/perception/stereo_confidence.h"
 
@@ -127,6 +128,63 @@ TEST(MatchStereo, LeastConfidenceDropsPixels) {
   EXPECT_LT(sure.wrong, 0.5 * all.wrong);
   options.min_confidence = 1.5;
   EXPECT_THROW(match_stereo(pair.left, pair.right, camera(), options), std::invalid_argument);
+}
+
+// The rule's twin searches all disparities.
+TEST(NarrowSearch, FindsWhatAllDisparitiesFind) {
+  const MatchPair pair = make_pair();
+  StereoOptions narrow, all;
+  all.narrow_search = false;
+  const DisparityRange range = seen_disparity_range(pair.left, pair.right, camera(), narrow);
+  EXPECT_LT(range.count, disparity_range(camera(), all).count);
+  EXPECT_LE(range.minimum, kFar - 2);
+  EXPECT_GE(range.minimum + range.count, kNear + 2);
+  for (const StereoMethod method : {StereoMethod::kSemiGlobal, StereoMethod::kBlockMatching}) {
+    narrow.method = all.method = method;
+    const DisparityImage found = match_stereo(pair.left, pair.right, camera(), narrow).disparity;
+    const DisparityImage twin = match_stereo(pair.left, pair.right, camera(), all).disparity;
+    std::size_t lost = 0, differ = 0;
+    for (std::size_t i = 0; i < twin.data.size(); ++i) {
+      // What is off the step's two planes may be lost: it is wrong.
+      if (!(std::abs(twin.data[i] - pair.truth.data[i]) < 1)) continue;
+      lost += std::isnan(found.data[i]);
+      differ += std::abs(found.data[i] - twin.data[i]) > 1;
+    }
+    EXPECT_LT(lost, twin.data.size() / 200) << static_cast<int>(method);
+    EXPECT_LT(differ, twin.data.size() / 200) << static_cast<int>(method);
+    EXPECT_GE(quality_of(found, pair.truth).known, quality_of(twin, pair.truth).known - 0.01);
+    EXPECT_LE(quality_of(found, pair.truth).wrong, quality_of(twin, pair.truth).wrong + 0.005);
+  }
+}
+
+TEST(NarrowSearch, SearchesAllWhereLittleIsMatched) {
+  std::mt19937_64 random(4);
+  GreyImage left(kMatchWidth, kMatchHeight), right(kMatchWidth, kMatchHeight);
+  for (std::uint8_t& value : left.data) value = static_cast<std::uint8_t>(random());
+  for (std::uint8_t& value : right.data) value = static_cast<std::uint8_t>(random());
+  const DisparityRange all = disparity_range(camera(), {});
+  const DisparityRange range = seen_disparity_range(left, right, camera(), {});
+  EXPECT_EQ(range.minimum, all.minimum);
+  EXPECT_EQ(range.count, all.count);
+}
+
+TEST(StereoDisparity, IsThatOfTheMatch) {
+  const MatchPair pair = make_pair();
+  geometry::ColorImage left(kMatchWidth, kMatchHeight), right = left;
+  for (std::size_t i = 0; i < left.data.size(); ++i) {
+    left.data[i].fill(pair.left.data[i]);
+    right.data[i].fill(pair.right.data[i]);
+  }
+  for (const double least : {0.0, 0.6}) {
+    StereoOptions options;
+    options.min_confidence = least;
+    const DisparityImage alone = stereo_disparity(left, right, camera(), options);
+    const DisparityImage match = match_stereo(left, right, camera(), options).disparity;
+    for (std::size_t i = 0; i < match.data.size(); ++i) {
+      ASSERT_TRUE(alone.data[i] == match.data[i] ||
+                  (std::isnan(alone.data[i]) && std::isnan(match.data[i])));
+    }
+  }
 }
 
 TEST(FilteredDisparity, FillsHolesUpToEdgesOfTheGuide) {

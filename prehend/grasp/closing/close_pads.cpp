@@ -116,6 +116,14 @@ class PadBeds {
   Eigen::Vector4d x_ = Eigen::Vector4d::Zero();  // q and the opening
 };
 
+// Of a ray that leaves the object. Through a hole of an open mesh it may do so without having
+// started inside: then the way back meets nothing from inside.
+bool starts_inside(const SurfaceQuery& object, const Eigen::Vector3d& origin,
+                   const Eigen::Vector3d& direction_W) {
+  const auto back = object.cast_ray(origin, -direction_W);
+  return back && back->normal.dot(direction_W) < 0;
+}
+
 // Heights over all texels of both open pads; nothing when a pad starts inside the object.
 std::optional<std::vector<Spring>> measure_heights(const SurfaceQuery& object,
                                                    const RigidTransform& X_WG, double opening,
@@ -125,6 +133,13 @@ std::optional<std::vector<Spring>> measure_heights(const SurfaceQuery& object,
   for (int side : {1, -1}) {
     const Eigen::Vector3d direction_W = X_WG.linear() * Eigen::Vector3d(0, -side, 0);
     const std::vector<Eigen::Vector3d> centers = texel_centers(pad, side * opening / 2);
+    // What is too wide is mostly so in the middle: one ray instead of all.
+    const Eigen::Vector3d middle = X_WG * centers[centers.size() / 2];
+    const auto middle_hit = object.cast_ray(middle, direction_W);
+    if (middle_hit && middle_hit->normal.dot(direction_W) > 0 &&
+        starts_inside(object, middle, direction_W)) {
+      return std::nullopt;
+    }
     std::vector<Eigen::Vector3d> origins;
     for (const auto& center : centers) origins.push_back(X_WG * center);
     object.cast_rays(origins, direction_W, 1e9, &hits);
@@ -132,10 +147,7 @@ std::optional<std::vector<Spring>> measure_heights(const SurfaceQuery& object,
       const auto& hit = hits[i];
       if (!hit) continue;
       if (hit->normal.dot(direction_W) > 0) {
-        // The ray leaves the object. Through a hole of an open mesh it may do so without having
-        // started inside: then the way back meets nothing from inside.
-        const auto back = object.cast_ray(origins[i], -direction_W);
-        if (back && back->normal.dot(direction_W) < 0) return std::nullopt;
+        if (starts_inside(object, origins[i], direction_W)) return std::nullopt;
         continue;
       }
       if (hit->distance > opening) continue;
