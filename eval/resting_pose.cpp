@@ -76,11 +76,8 @@ Settled settled(const geometry::TriangleMesh& mesh_W, double mass,
   const Eigen::Vector3d com_W = geometry::mass_properties(mesh_W).center_of_mass;
   const auto steps = static_cast<int>(std::ceil(duration / kPeriod));
   for (int i = 0; i < steps; ++i) world.advance(kPeriod);
-  const simulation::BodyReading end = world.body(0);
-  const RigidTransform X_moved = end.X_WB * X_WO.inverse();
-  return {(X_moved * com_W - com_W).norm(), angle_between(X_WO, end.X_WB),
-          end.asleep || (end.velocity.norm() < kStillShift / kPeriod &&
-                         end.angular_velocity.norm() < kStillTurn / kPeriod)};
+  const RigidTransform X_WO_end = world.body(0).X_WB;
+  return {(X_WO_end * X_WO.inverse() * com_W - com_W).norm(), angle_between(X_WO, X_WO_end)};
 }
 
 }  // namespace prehend::eval

@@ -18,11 +18,10 @@ geometry::RigidTransform resting_pose(const geometry::TriangleMesh& mesh_B,
                                       const std::vector<geometry::TriangleMesh>& others_W = {},
                                       double time_limit = 60);
 
-/// How far a body went from where it was put until it came to rest.
+/// How far a body went from where it was put.
 struct Settled {
   double moved = 0;   // m, its centre of mass
   double turned = 0;  // rad
-  bool still = true;  // at the end
 };
 
 /// Puts a solid of uniform density where `mesh_W` says, at rest, on the table z = 0 and among

@@ -48,7 +48,7 @@ TEST(ShapeComparison, SolidsAreMeasuredByOverlapAndByWhetherTheyStand) {
   // Predicted 10 mm over the table: it drops by as much.
   MethodResult high;
   measure_solid(standing_box({0.06, 0.06, 0.12}, 0.01), truth, {}, &high);
-  EXPECT_NEAR(high.jaccard, 11. / 13, 0.01);
+  EXPECT_NEAR(high.jaccard, 11. / 13, 0.035);  // to 1.5 voxels of the 43 in its height
   EXPECT_NEAR(high.moved, 0.01, 5e-4);
   EXPECT_EQ(stands_of(high), 0);
 }
@@ -66,7 +66,8 @@ TEST(ShapeComparison, StandingAllowsFiveMillimetresAndFiveDegrees) {
   EXPECT_EQ(stands_of(result), 0);
 }
 
-MethodResult made(const std::string& method, double deviation, double jaccard, double moved) {
+MethodResult result_of_method(const std::string& method, double deviation, double jaccard,
+                              double moved) {
   MethodResult result;
   result.method = method;
   result.mean = result.back_mean = result.max = result.back_max = deviation;
@@ -86,8 +87,8 @@ const Goal& goal_of(const std::vector<Goal>& goals, const std::string& part) {
 
 TEST(ShapeComparison, GoalsAreToBeBestButForTheTruth) {
   CaseResult one;
-  one.methods = {made("Ours", 0.002, 0.8, 0), made("GPIS", 0.003, 0.7, 0.01),
-                 made("Truth", 0, 1, 0)};
+  one.methods = {result_of_method("Ours", 0.002, 0.8, 0),
+                 result_of_method("GPIS", 0.003, 0.7, 0.01), result_of_method("Truth", 0, 1, 0)};
   std::vector<CaseResult> results = {one};
   std::vector<Goal> goals = judge_single_view(results);
   for (const Goal& goal : goals) EXPECT_EQ(goal.outcome, Goal::Outcome::kMet) << goal.name;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using geometry::MeshQuery;
 
-geometry::TriangleMesh box_at(const Vector3d& size, const Vector3d& middle) {
+geometry::TriangleMesh overlap_box(const Vector3d& size, const Vector3d& middle) {
   geometry::TriangleMesh mesh = geometry::make_box(size);
   const Vector3d shift = middle - geometry::bounds(mesh).center();
   for (Vector3d& v : mesh.vertices) v += shift;
@@ -21,15 +21,15 @@ geometry::TriangleMesh box_at(const Vector3d& size, const Vector3d& middle) {
 }
 
 TEST(JaccardIndex, OfBoxesBesideAndInOneAnother) {
-  const MeshQuery box(box_at({0.1, 0.1, 0.1}, Vector3d::Zero()));
+  const MeshQuery box(overlap_box({0.1, 0.1, 0.1}, Vector3d::Zero()));
   EXPECT_EQ(jaccard_index(box, box, 0.005), 1);
   // Shifted by 20 of 100 mm: 80 of 120 mm are in both.
-  const MeshQuery shifted(box_at({0.1, 0.1, 0.1}, {0.02, 0, 0}));
+  const MeshQuery shifted(overlap_box({0.1, 0.1, 0.1}, {0.02, 0, 0}));
   EXPECT_NEAR(jaccard_index(box, shifted, 0.005), 80. / 120, 1e-12);
   EXPECT_EQ(jaccard_index(box, shifted, 0.005), jaccard_index(shifted, box, 0.005));
-  const MeshQuery half(box_at({0.1, 0.1, 0.05}, {0, 0, 0.025}));
+  const MeshQuery half(overlap_box({0.1, 0.1, 0.05}, {0, 0, 0.025}));
   EXPECT_NEAR(jaccard_index(box, half, 0.005), 0.5, 1e-12);
-  const MeshQuery apart(box_at({0.1, 0.1, 0.1}, {0.2, 0, 0}));
+  const MeshQuery apart(overlap_box({0.1, 0.1, 0.1}, {0.2, 0, 0}));
   EXPECT_EQ(jaccard_index(box, apart, 0.005), 0);
 }
 
@@ -39,7 +39,7 @@ TEST(JaccardIndex, OfBallsOneInTheOther) {
 }
 
 TEST(JaccardIndex, RefusesVoxelsThatAreNone) {
-  const MeshQuery box(box_at({0.1, 0.1, 0.1}, Vector3d::Zero()));
+  const MeshQuery box(overlap_box({0.1, 0.1, 0.1}, Vector3d::Zero()));
   for (const double voxel : {0.0, -0.01, std::nan(""), 1e-5}) {
     EXPECT_THROW(jaccard_index(box, box, voxel), geometry::InputError) << voxel;
   }
