@@ -187,6 +187,7 @@ CaseResult run_case(const Case& one, const std::vector<Method>& methods, bool as
       measures.evidence = made.evidence;
       measures.seconds = spent;
     } catch (const std::exception& error) {
+      measures = {};  // a mesh of which not all can be measured is none
       measures.problem = error.what();
     }
     measures.method = method.name;
