@@ -39,7 +39,6 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
   app.add_option(
          "--meshes", choice.meshes,
          "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
-      ->check(CLI::ExistingDirectory)
       ->excludes("--groups");
   app.add_option("--only", choice.only, "names of the data sets to evaluate; default: all");
   app.add_flag("--quick", choice.quick, "two orientations instead of eight");

@@ -26,9 +26,13 @@ struct MethodResult {
   double back_max = kUnknown;
   double centroid_error = kUnknown;  // of the surfaces' centroids, over the truth's diagonal
   double normal_error = kUnknown;    // rad, median over the mesh, to the nearest place of the truth
+  // Of the solid, where it was measured as one.
+  double jaccard = kUnknown;  // index with the truth, 0..1
+  double moved = kUnknown;    // m, its centre of mass when it was let go on the table
+  double turned = kUnknown;   // rad, the same
   double vote = kUnknown;
   double confidence = kUnknown;  // 0..1
-  double seconds = kUnknown;     // from segmented cloud to mesh, one thread
+  double seconds = kUnknown;     // of processor, from segmented cloud to mesh
   bool watertight = false;
   std::optional<shape::Evidence> evidence;  // what the confidence is made of
 };

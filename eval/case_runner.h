@@ -45,7 +45,18 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
 /// with its distance to the mesh, as MeshDev measures (Roy, Foufou, Truchetet: "Mesh comparison
 /// using attribute deviation metric", 2004). The centroid of a surface is that of its area, which
 /// meshes with a boundary have, too. What fails is in the result's `problem`s; only a bug throws.
-CaseResult run_case(const Case& one, const std::vector<Method>& methods);
+/// @param as_solids the object comes to rest on the table first (resting_pose()), and each mesh
+/// that is closed is measured by measure_solid(), too
+CaseResult run_case(const Case& one, const std::vector<Method>& methods, bool as_solids = false);
+
+/// What measure_solid() counts by.
+constexpr double kJaccardVoxel = 0.003;  // m
+
+/// Adds the Jaccard index of a closed mesh and how far it goes when it is let go on the table, with
+/// the mass of a household thing of its volume, among `others_W`.
+/// @throws geometry::InputError for a mesh that encloses no volume.
+void measure_solid(const geometry::TriangleMesh& mesh_W, const geometry::TriangleMesh& truth_W,
+                   const std::vector<geometry::TriangleMesh>& others_W, MethodResult* result);
 
 /// The distances of a mesh in the body's frame B to the truth in B; `seed` is of the sampling.
 MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::TriangleMesh& truth_B,

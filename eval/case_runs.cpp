@@ -69,7 +69,7 @@ std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
                                            const std::vector<std::string>& groups,
                                            const std::vector<std::uint64_t>& drawn) {
   if (!meshes.empty()) {
-    const fs::path folder = fs::canonical(meshes);
+    const fs::path folder = fs::weakly_canonical(meshes);
     return make_data_sets(folder.filename().string(), objects_of_folder(folder));
   }
   const char* shared = std::getenv("PREHEND_SHARED_DATA");

@@ -184,21 +184,23 @@ std::string to_csv(const SummaryTable& table, const std::string& row_name, doubl
 std::string cases_csv(const std::vector<CaseResult>& results) {
   std::string text =
       "group,data_set,orientation_deg,points,mask_iou,method,mean_m,variance_m2,percentile_95_m,"
-      "max_m,back_mean_m,back_max_m,centroid_error,normal_error_rad,vote,confidence,seconds,"
+      "max_m,back_mean_m,back_max_m,centroid_error,normal_error_rad,jaccard,moved_m,turned_rad,"
+      "vote,"
+      "confidence,seconds,"
       "watertight,problem\n";
   for (const CaseResult& result : results) {
     const std::string head = fmt::format("{},{},{},{},{:.4f}", result.group, result.data_set,
                                          result.orientation, result.points, result.mask_iou);
     if (result.methods.empty()) {
-      text += fmt::format("{},,,,,,,,,,,,,,{}\n", head, quoted(result.problem));
+      text += fmt::format("{},,,,,,,,,,,,,,,,,{}\n", head, quoted(result.problem));
     }
     for (const MethodResult& m : result.methods) {
       text += fmt::format(
-          "{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.5g},{:.5g},{:.6g},{:.4g},"
-          "{:.4g},{},{}\n",
+          "{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g},"
+          "{:.6g},{:.4g},{:.4g},{},{}\n",
           head, m.method, m.mean, m.variance, m.percentile_95, m.max, m.back_mean, m.back_max,
-          m.centroid_error, m.normal_error, m.vote, m.confidence, m.seconds, m.watertight,
-          quoted(m.problem));
+          m.centroid_error, m.normal_error, m.jaccard, m.moved, m.turned, m.vote, m.confidence,
+          m.seconds, m.watertight, quoted(m.problem));
     }
   }
   return text;

@@ -17,6 +17,7 @@
 #include "eval/confidence_fit.h"
 #include "eval/deviation_summary.h"
 #include "eval/mesh_deviation_report.h"
+#include "eval/shape_comparison.h"
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 
@@ -28,18 +29,16 @@ namespace fs = std::filesystem;
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/mesh_deviation");
   fs::path fit_confidence;
+  std::string comparison = "paper";
   std::vector<std::string> methods;
-};
 
-std::vector<eval::Method> methods_of(const Options& options) {
-  std::vector<eval::Method> methods = eval::compared_methods();
-  if (options.methods.empty()) return methods;
-  std::erase_if(methods, [&](const eval::Method& method) {
-    return std::find(options.methods.begin(), options.methods.end(), method.name) ==
-           options.methods.end();
-  });
-  return methods;
-}
+  const eval::ShapeComparison& compared() const {
+    const auto& all = eval::shape_comparisons();
+    return *std::find_if(all.begin(), all.end(), [&](const eval::ShapeComparison& one) {
+      return one.name == comparison;  // checked when it was parsed
+    });
+  }
+};
 
 // The file's result, if it has one of every method.
 std::optional<eval::CaseResult> known_result(const fs::path& file,
@@ -104,15 +103,18 @@ int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
-  const std::vector<eval::Method> methods = methods_of(options);
-  const eval::CaseRunOptions runs = options.choice.runs();
+  const eval::ShapeComparison& comparison = options.compared();
+  const std::vector<eval::Method> methods =
+      eval::methods_named(options.methods.empty() ? comparison.methods : options.methods);
+  eval::CaseRunOptions runs = options.choice.runs();
+  runs.setting = comparison.as_solids ? "as solids" : "";
   std::vector<std::string> case_names;
   for (const eval::Case& one : cases) case_names.push_back(one.result_name());
   const auto crashed = eval::run_cases(
       runs, case_names,
       [&](int, const fs::path& file) { return known_result(file, methods).has_value(); },
       [&](int i, const fs::path& file) {
-        eval::write_case_result(file, eval::run_case(cases[i], methods));
+        eval::write_case_result(file, eval::run_case(cases[i], methods, comparison.as_solids));
       });
   // Not written to the folder: the next run tries crashed cases again.
   std::vector<eval::CaseResult> results;
@@ -132,11 +134,11 @@ int run(const Options& options) {
         crash == crashed.end() ? "There is no result" : "The process ended: " + crash->second;
     results.push_back(std::move(result));
   }
-  std::printf("%s", eval::mesh_deviation_text(results, methods).c_str());
+  std::printf("%s", eval::mesh_deviation_text(results, methods, comparison).c_str());
   if (!options.choice.json.empty()) {
-    eval::write_text(options.choice.json, eval::mesh_deviation_json(results, methods));
+    eval::write_text(options.choice.json, eval::mesh_deviation_json(results, methods, comparison));
   }
-  eval::write_mesh_deviation_report(options.choice.out, results, methods);
+  eval::write_mesh_deviation_report(options.choice.out, results, methods, comparison);
   if (!options.fit_confidence.empty()) fit_confidence(results, options.fit_confidence);
   std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
   return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -152,9 +154,18 @@ int main(int argc, char** argv) {
       "also lying; with PREHEND_SHARED_DATA as many scanned ones) in 8 orientations. A run that "
       "was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
-  std::vector<std::string> names;
-  for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
-  app.add_option("--methods", options.methods, "the methods to compare; default: all")
+  std::vector<std::string> comparisons, names;
+  std::string about = "what is compared:";
+  for (const eval::ShapeComparison& one : eval::shape_comparisons()) {
+    comparisons.push_back(one.name);
+    about += " " + one.name + ": " + one.description + ";";
+  }
+  about.back() = '.';
+  for (const eval::Method& method : eval::known_methods()) names.push_back(method.name);
+  app.add_option("--compare", options.comparison, about)
+      ->check(CLI::IsMember(comparisons))
+      ->capture_default_str();
+  app.add_option("--methods", options.methods, "the methods to compare; default: the comparison's")
       ->check(CLI::IsMember(names));
   app.add_option(
       "--fit-confidence", options.fit_confidence,

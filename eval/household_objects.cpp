@@ -35,7 +35,7 @@ TriangleMesh box(const Vector3d& size) {
       size.x() / 2, size.y() / 2, size.z());
 }
 
-TriangleMesh turned(const std::vector<Vector2d>& outline) {
+TriangleMesh household_revolution(const std::vector<Vector2d>& outline) {
   double radius = 0, height = 0;
   for (const Vector2d& p : outline) {
     radius = std::max(radius, p.x());
@@ -123,6 +123,8 @@ EvaluationObject object(std::string name, TriangleMesh mesh, bool lies_too = fal
 
 }  // namespace
 
+double household_mass(double volume) { return std::clamp(400 * volume, 0.02, 0.6); }
+
 TriangleMesh standing(TriangleMesh mesh) {
   const Eigen::AlignedBox3d bounds = geometry::bounds(mesh);
   const Vector3d foot(bounds.center().x(), bounds.center().y(), bounds.min().z());
@@ -139,12 +141,12 @@ std::vector<EvaluationObject> household_objects() {
   std::vector<EvaluationObject> objects;
   objects.push_back(object("cereal_box", box({0.06, 0.15, 0.21}), true));
   objects.push_back(object("tea_box", box({0.08, 0.105, 0.07})));
-  objects.push_back(object("can", turned(kCan), true));
-  objects.push_back(object("bottle", turned(kBottle), true));
-  objects.push_back(object("bowl", turned(kBowl)));
+  objects.push_back(object("can", household_revolution(kCan), true));
+  objects.push_back(object("bottle", household_revolution(kBottle), true));
+  objects.push_back(object("bowl", household_revolution(kBowl)));
   objects.push_back(object("mug", meshed(mug, 0.075, 0.042, 0.1)));
   objects.push_back(object("spray_bottle", meshed(spray_bottle, 0.075, 0.035, 0.24), true));
-  objects.push_back(object("cone", turned(kCone)));
+  objects.push_back(object("cone", household_revolution(kCone)));
   objects.push_back(object(
       "ball", meshed([](const Vector3d& p) { return (p - Vector3d(0, 0, 0.04)).norm() - 0.04; },
                      0.042, 0.042, 0.082)));
@@ -195,6 +197,10 @@ std::vector<EvaluationObject> scanned_objects(const std::filesystem::path& share
 }
 
 std::vector<EvaluationObject> objects_of_folder(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder)) {
+    throw geometry::InputError("The folder of meshes '" + folder.string() + "' does not exist",
+                               "Name a folder with OBJ, PLY or STL files in metres");
+  }
   std::error_code error;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {

@@ -19,9 +19,12 @@ std::vector<EvaluationObject> household_objects();
 std::vector<EvaluationObject> scanned_objects(const std::filesystem::path& shared_data);
 
 /// Every OBJ, PLY and STL mesh of a folder (metres, z up, in the order of their names).
-/// @throws geometry::InputError when there is none, or when one is not closed or not 1 cm to 1 m
-/// long.
+/// @throws geometry::InputError when there is no such folder, no mesh in it, or one is not closed
+/// or not 1 cm to 1 m long.
 std::vector<EvaluationObject> objects_of_folder(const std::filesystem::path& folder);
+
+/// Of a household thing of that volume [m^3], in kg.
+double household_mass(double volume);
 
 /// `mesh` moved so that it stands on z = 0 with the middle of its bounds on the z axis.
 geometry::TriangleMesh standing(geometry::TriangleMesh mesh);

@@ -17,11 +17,8 @@ namespace {
 
 std::string data_set_of(const CaseResult& r) { return r.data_set; }
 std::string orientation_of(const CaseResult& r) { return std::to_string(r.orientation); }
-double back_of(const MethodResult& m) { return m.back_mean; }
 double centroid_of(const MethodResult& m) { return m.centroid_error; }
-double normals_of(const MethodResult& m) { return m.normal_error; }
 double vote_of(const MethodResult& m) { return m.vote; }
-double seconds_of(const MethodResult& m) { return m.seconds; }
 
 std::vector<std::string> groups_of(const std::vector<CaseResult>& results) {
   std::vector<std::string> groups;
@@ -108,24 +105,30 @@ std::string chart_of(const Figure& figure, const SummaryTable& table) {
   return report::draw_bar_chart(chart);
 }
 
-const std::vector<std::string> kTotalsHeader = {"method",        "deviation [mm]", "back [mm]",
-                                                "centroid [%]",  "normals [deg]",  "time [ms]",
-                                                "without a mesh"};
+std::vector<std::string> totals_header(const ShapeComparison& comparison) {
+  std::vector<std::string> header = {"method"};
+  for (const MethodColumn& column : comparison.columns) header.push_back(column.title);
+  header.push_back("without a mesh");
+  return header;
+}
+
+std::string text_of(const Spread& s, const MethodColumn& column) {
+  if (s.count == 0) return "-";
+  if (!column.with_spread) return fmt::format("{:.1f}", column.scale * s.mean);
+  return fmt::format("{:.2f} +- {:.2f}", column.scale * s.mean, column.scale * s.deviation);
+}
 
 std::vector<std::vector<std::string>> totals(const std::vector<CaseResult>& results,
-                                             const std::vector<Method>& methods) {
-  const auto text = [](const Spread& s, double scale) {
-    return s.count == 0 ? std::string("-")
-                        : fmt::format("{:.2f} +- {:.2f}", scale * s.mean, scale * s.deviation);
-  };
+                                             const std::vector<Method>& methods,
+                                             const ShapeComparison& comparison) {
   std::vector<std::vector<std::string>> rows;
   for (const Method& method : methods) {
-    rows.push_back({method.name, text(total(results, method.name, deviation_of), 1000),
-                    text(total(results, method.name, back_of), 1000),
-                    text(total(results, method.name, centroid_of), 100),
-                    text(total(results, method.name, normals_of), 180 / std::numbers::pi),
-                    text(total(results, method.name, seconds_of), 1000),
-                    fmt::format("{} of {}", failures_of(results, method.name), results.size())});
+    std::vector<std::string> row = {method.name};
+    for (const MethodColumn& column : comparison.columns) {
+      row.push_back(text_of(total(results, method.name, column.figure_of), column));
+    }
+    row.push_back(fmt::format("{} of {}", failures_of(results, method.name), results.size()));
+    rows.push_back(std::move(row));
   }
   return rows;
 }
@@ -178,7 +181,8 @@ std::string aligned(const std::vector<std::string>& header,
 
 void write_mesh_deviation_report(const std::filesystem::path& folder,
                                  const std::vector<CaseResult>& results,
-                                 const std::vector<Method>& methods) {
+                                 const std::vector<Method>& methods,
+                                 const ShapeComparison& comparison) {
   report::Page page("Mesh deviation");
   page.add_paragraph(
       "Stereo pairs of known bodies, rendered with texture and noise, go through semi-global "
@@ -190,7 +194,7 @@ void write_mesh_deviation_report(const std::filesystem::path& folder,
   for (const std::string& group : groups_of(results)) {
     const std::vector<CaseResult> of = of_group(results, group);
     page.add_heading("Objects: " + group);
-    const std::vector<Goal> goals = judge(of);
+    const std::vector<Goal> goals = comparison.judge(of);
     const auto count = [&](Goal::Outcome outcome) {
       return std::count_if(goals.begin(), goals.end(),
                            [&](const Goal& g) { return g.outcome == outcome; });
@@ -199,7 +203,7 @@ void write_mesh_deviation_report(const std::filesystem::path& folder,
     page.add_verdict(fmt::format("{} goals are met, {} missed", count(Goal::Outcome::kMet), missed),
                      missed == 0);
     page.add_table(kGoalHeader, goal_rows(goals));
-    page.add_table(kTotalsHeader, totals(of, methods));
+    page.add_table(totals_header(comparison), totals(of, methods, comparison));
     for (const Figure& figure : figures()) {
       const SummaryTable table = summarize(
           of, figure.by_orientation ? RowOf(orientation_of) : RowOf(data_set_of), figure.figure_of);
@@ -218,12 +222,13 @@ void write_mesh_deviation_report(const std::filesystem::path& folder,
 }
 
 std::string mesh_deviation_json(const std::vector<CaseResult>& results,
-                                const std::vector<Method>& methods) {
+                                const std::vector<Method>& methods,
+                                const ShapeComparison& comparison) {
   text::Json groups = text::Json::array();
   for (const std::string& group : groups_of(results)) {
     const std::vector<CaseResult> of = of_group(results, group);
     text::Json goals = text::Json::array();
-    for (const Goal& goal : judge(of)) {
+    for (const Goal& goal : comparison.judge(of)) {
       goals.add(text::Json::object()
                     .set("name", goal.name)
                     .set("bar", goal.bar)
@@ -232,16 +237,12 @@ std::string mesh_deviation_json(const std::vector<CaseResult>& results,
     }
     text::Json of_methods = text::Json::array();
     for (const Method& method : methods) {
-      const auto mean = [&](const FigureOf& figure) { return total(of, method.name, figure).mean; };
+      text::Json of_method = text::Json::object().set("name", method.name);
+      for (const MethodColumn& column : comparison.columns) {
+        of_method.set(column.key, total(of, method.name, column.figure_of).mean);
+      }
       of_methods.add(
-          text::Json::object()
-              .set("name", method.name)
-              .set("mean_deviation_m", mean(deviation_of))
-              .set("standard_deviation_m", total(of, method.name, deviation_of).deviation)
-              .set("mean_back_deviation_m", mean(back_of))
-              .set("mean_centroid_error", mean(centroid_of))
-              .set("mean_normal_error_rad", mean(normals_of))
-              .set("mean_seconds", mean(seconds_of))
+          of_method.set("standard_deviation_m", total(of, method.name, deviation_of).deviation)
               .set("without_mesh", failures_of(of, method.name)));
     }
     groups.add(text::Json::object()
@@ -254,13 +255,14 @@ std::string mesh_deviation_json(const std::vector<CaseResult>& results,
 }
 
 std::string mesh_deviation_text(const std::vector<CaseResult>& results,
-                                const std::vector<Method>& methods) {
+                                const std::vector<Method>& methods,
+                                const ShapeComparison& comparison) {
   std::string text;
   for (const std::string& group : groups_of(results)) {
     const std::vector<CaseResult> of = of_group(results, group);
     text += fmt::format("\n{} ({} cases)\n{}\n{}", group, of.size(),
-                        aligned(kTotalsHeader, totals(of, methods)),
-                        aligned(kGoalHeader, goal_rows(judge(of))));
+                        aligned(totals_header(comparison), totals(of, methods, comparison)),
+                        aligned(kGoalHeader, goal_rows(comparison.judge(of))));
   }
   return text;
 }

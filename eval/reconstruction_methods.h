@@ -24,16 +24,27 @@ struct Reconstruction {
 struct Method {
   std::string name;         // short, as in figures
   std::string description;  // one line
-  /// Of the scene's `object`th object. Throws when it cannot.
+  /// Of the scene's `object`th object. Throws when it cannot. Empty: takes the truth.
   std::function<Reconstruction(const perception::SegmentedScene&, std::size_t object)> reconstruct;
 };
 
-/// The methods that are compared:
+/// Every method:
 ///  - Ext, the fall-back: convex hull of the seen points and their feet on the table;
 ///  - Del: surface::delaunay_surface, without any prediction;
 ///  - Mir5, Mir7: the published completion and normals, Poisson reconstruction as of 2006 (without
 ///    screening) by pcl::Poisson at depth 5 and 7, nothing thinned or closed;
-///  - Ours: the library's defaults.
-std::vector<Method> compared_methods();
+///  - Ours: the library's defaults;
+///  - Fast: ours at the setting of config/fidelity/shape.yaml for 60 ms, from the source tree;
+///  - Mirror: our plane of symmetry without its fall-backs and second plane, every mirrored point
+///    kept, our Poisson reconstruction without closed sides and bottom, walls of vessels and empty
+///    space. Mir5 and Mir7 are that as published;
+///  - GPIS: gaussian_surface() of the seen points alone;
+///  - Superquadric: fit_superquadric() of the seen points and their feet on the table, cut
+///    at the table;
+///  - Truth: the control.
+std::vector<Method> known_methods();
+
+/// Those of these names, in their order. @throws std::invalid_argument for an unknown one.
+std::vector<Method> methods_named(const std::vector<std::string>& names);
 
 }  // namespace prehend::eval

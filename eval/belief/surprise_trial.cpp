@@ -9,9 +9,10 @@
 
 #include "eval/belief/predicted_case.h"
 #include "eval/belief/rendered_hold.h"
-#include "eval/grasp/resting_pose.h"
 #include "eval/grasp/trial_setup.h"
+#include "eval/household_objects.h"
 #include "eval/processor_time.h"
+#include "eval/resting_pose.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"

@@ -5,8 +5,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/belief/belief_truth.h"
-#include "eval/belief/gaussian_surface.h"
 #include "eval/belief/predicted_case.h"
+#include "eval/gaussian_surface.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"

@@ -10,9 +10,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/case_runner.h"
-#include "eval/grasp/resting_pose.h"
 #include "eval/grasp/seen_object.h"
+#include "eval/household_objects.h"
 #include "eval/processor_time.h"
+#include "eval/resting_pose.h"
 #include "prehend/fidelity/chain_settings.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"

@@ -7,9 +7,10 @@
 #include <optional>
 #include <utility>
 
-#include "eval/grasp/resting_pose.h"
 #include "eval/grasp/seen_object.h"
+#include "eval/household_objects.h"
 #include "eval/processor_time.h"
+#include "eval/resting_pose.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::eval {

@@ -11,9 +11,10 @@
 #include <Eigen/Geometry>
 
 #include "eval/grasp/in_reach.h"
-#include "eval/grasp/resting_pose.h"
 #include "eval/grasp/trial_setup.h"
 #include "eval/grasp/world_under_test.h"
+#include "eval/household_objects.h"
+#include "eval/resting_pose.h"
 #include "prehend/control/cycle_in_world.h"
 #include "prehend/control/planned_grasp.h"
 #include "prehend/planning/platform_plan.h"

@@ -1,6 +1,5 @@
 #include "eval/grasp/trial_setup.h"
 
-#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -18,8 +17,6 @@ std::vector<geometry::TriangleMesh> pieces_of(const geometry::TriangleMesh& mesh
 }
 
 }  // namespace
-
-double household_mass(double volume) { return std::clamp(400 * volume, 0.02, 0.6); }
 
 Belief belief_of(const geometry::TriangleMesh& mesh_W,
                  const std::vector<geometry::TriangleMesh>& others_W) {

@@ -34,9 +34,6 @@ struct TrueObject {
   double friction = 0.7;  // dynamic, as simulation::SceneObject's
 };
 
-/// Of a household thing of that volume [m^3], in kg.
-double household_mass(double volume);
-
 /// What grasps are planned on.
 struct Belief {
   surface::ObjectModel object;

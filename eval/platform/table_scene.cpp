@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/grasp/resting_pose.h"
+#include "eval/resting_pose.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/simulation/clutter_scene.h"

@@ -4,12 +4,14 @@
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "eval/case_runner.h"
 #include "eval/household_objects.h"
+#include "prehend/geometry/mesh_files.h"
 #include "tests/eval/temporary_folder.h"
 
 namespace prehend::eval {
@@ -51,7 +53,7 @@ TEST(RunCase, BallOnATableIsSeenAndMeasured) {
        false,
        {}}};
   const std::vector<DataSet> sets = make_data_sets("test", objects);
-  Method hull = compared_methods().front();
+  Method hull = methods_named({"Ext"}).front();
   Method failing{"None", "fails", [](const auto&, const auto&) -> Reconstruction {
                    throw std::runtime_error("no idea");
                  }};
@@ -106,6 +108,54 @@ TEST(EvalMeshDeviation, WritesItsPageAndGoesOnWhereItWas) {
     return csv.substr(0, csv.find(",Ext,"));
   };
   EXPECT_EQ(without_times(text_of(folder.path / "cases.csv")), without_times(cases));
+}
+
+// Runs the program; what it printed goes to `printed`. Returns its exit code.
+int run_program(const std::filesystem::path& folder, const std::string& arguments,
+                std::string* printed) {
+  const char* programs = std::getenv("PREHEND_BIN");
+  if (programs == nullptr) throw std::runtime_error("PREHEND_BIN names the folder of the programs");
+  const std::filesystem::path log = folder / "printed.txt";
+  const int status =
+      std::system((std::string(programs) + "/eval_mesh_deviation " + arguments + " --out " +
+                   (folder / "out").string() + " >" + log.string() + " 2>&1")
+                      .c_str());
+  *printed = text_of(log);
+  return status;
+}
+
+TEST(EvalMeshDeviation, ComparesMethodsForOneViewOnAFolderOfMeshes) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path meshes = folder.path / "mine";
+  std::filesystem::create_directory(meshes);
+  geometry::write_mesh_file(meshes / "brick.ply", geometry::make_box({0.06, 0.09, 0.08}));
+  std::string printed;
+  ASSERT_EQ(run_program(folder.path,
+                        "--compare single_view --quick --processes 1 --methods Ext Truth "
+                        "--meshes " +
+                            meshes.string(),
+                        &printed),
+            0)
+      << printed;
+  EXPECT_THAT(printed, HasSubstr("Jaccard [%]"));
+  EXPECT_THAT(printed, HasSubstr("stands [%]"));
+  EXPECT_THAT(printed, HasSubstr("mine (2 cases)"));
+  // The control: the truth is itself, and stands.
+  EXPECT_THAT(printed, ::testing::ContainsRegex(
+                           "Truth +0.00 .. 0.00 +100.00 .. 0.00 +0.00 .. 0.00 +0.00 .. 0.00 +100"));
+}
+
+TEST(EvalMeshDeviation, SaysWhatIsWrongWithAFolderOfMeshes) {
+  const testing::TemporaryFolder folder;
+  std::string printed;
+  const std::string compare = "--compare single_view --quick --meshes ";
+  EXPECT_NE(run_program(folder.path, compare + (folder.path / "absent").string(), &printed), 0);
+  EXPECT_THAT(printed, HasSubstr("absent' does not exist"));
+  EXPECT_THAT(printed, HasSubstr("Name a folder with OBJ, PLY or STL files"));
+  const std::filesystem::path empty = folder.path / "empty";
+  std::filesystem::create_directory(empty);
+  EXPECT_NE(run_program(folder.path, compare + empty.string(), &printed), 0);
+  EXPECT_THAT(printed, HasSubstr("empty' has no mesh"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "eval/grasp/resting_pose.h"
+#include "eval/resting_pose.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,6 +82,45 @@ TEST(RestingPose, WhatLeansOnAnotherDoesNotFallOver) {
 
 TEST(RestingPose, RefusesWhatHasNoVolume) {
   EXPECT_THROW(resting_pose(TriangleMesh{}, RigidTransform::Identity(), 0.1), geometry::InputError);
+}
+
+TEST(Settled, ACubeStays) {
+  const Settled end = settled(box({0.06, 0.06, 0.06}), 0.2);
+  EXPECT_LT(end.moved, 2e-4);
+  EXPECT_LT(end.turned, 1e-3);
+}
+
+TEST(Settled, ALeaningPencilFalls) {
+  // 7 x 7 x 180 mm leaning by 5 degrees: its centre of mass is 4 mm beyond its foot's edge.
+  TriangleMesh pencil = geometry::transformed(
+      box({0.007, 0.007, 0.18}),
+      geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(5 * std::numbers::pi / 180,
+                                                                    Eigen::Vector3d::UnitY())),
+                               {0, 0, 0}));
+  const double bottom = geometry::bounds(pencil).min().z();
+  for (Eigen::Vector3d& v : pencil.vertices) v.z() -= bottom;
+  const Settled end = settled(pencil, 0.02);
+  EXPECT_GT(end.moved, 0.08);  // its centre of mass falls from 90 mm to 3.5 mm
+  EXPECT_NEAR(end.turned, 85 * std::numbers::pi / 180, 0.1);
+}
+
+TEST(Settled, WhatFloatsDropsAndWhatIsSunkIsRaised) {
+  TriangleMesh floats = box({0.06, 0.06, 0.06}), sunk = floats;
+  for (Eigen::Vector3d& v : floats.vertices) v.z() += 0.008;
+  for (Eigen::Vector3d& v : sunk.vertices) v.z() -= 0.007;
+  EXPECT_NEAR(settled(floats, 0.2).moved, 0.008, 5e-4);
+  EXPECT_NEAR(settled(sunk, 0.2).moved, 0.007, 5e-4);
+}
+
+TEST(Settled, WhatStandsOnAnotherStaysThere) {
+  TriangleMesh upper = box({0.06, 0.06, 0.06});
+  for (Eigen::Vector3d& v : upper.vertices) v.z() += 0.05;
+  EXPECT_LT(settled(upper, 0.2, {box({0.1, 0.1, 0.05})}).moved, 1e-3);
+  EXPECT_GT(settled(upper, 0.2).moved, 0.045);
+}
+
+TEST(Settled, RefusesWhatHasNoVolume) {
+  EXPECT_THROW(settled(TriangleMesh{}, 0.1), geometry::InputError);
 }
 
 // Once these fell over in the arms' world, where tables were as soft as the hands' rubber.

@@ -1,4 +1,4 @@
-#include "eval/belief/gaussian_surface.h"
+#include "eval/gaussian_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -105,9 +105,11 @@ geometry::TriangleMesh gaussian_surface(const geometry::PointCloud& seen_W,
     for (int y = 0; y < size.y(); ++y) {
       for (int x = 0; x < size.x(); ++x) {
         const Eigen::Vector3d p = box_W.min() + spacing * Eigen::Vector3d(x, y, z);
-        field.at(x, y, z) = table_W.signed_distance(p) < 0
-                                ? -1.f
-                                : -1.f - (covariances(p.cast<float>()) * weights).sum();
+        // Cut at the table itself, not at the grid's next node.
+        const auto height = static_cast<float>(table_W.signed_distance(p) / options.offset);
+        field.at(x, y, z) =
+            height < -1 ? -1.f
+                        : std::min(height, -1.f - (covariances(p.cast<float>()) * weights).sum());
       }
     }
   }

@@ -27,7 +27,8 @@ struct GaussianSurfaceOptions {
 /// Grasping", ICRA 2011). The function is 0 on the surface, 1 outside and -1 inside; the covariance
 /// is their thin plate's, k(r) = 2 r^3 - 3 R r^2 + R^3, R the longest distance. Knows what was seen
 /// (with normals), the contacts (with theirs), points in swept space and points under the support,
-/// all outside; no symmetry. The surface is that of its mean.
+/// all outside; no symmetry. The surface is that of its mean, over
+/// the table.
 geometry::TriangleMesh gaussian_surface(const geometry::PointCloud& seen_W,
                                         const std::vector<belief::Contact>& contacts,
                                         const geometry::SweptSpace& swept,

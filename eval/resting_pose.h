@@ -18,4 +18,18 @@ geometry::RigidTransform resting_pose(const geometry::TriangleMesh& mesh_B,
                                       const std::vector<geometry::TriangleMesh>& others_W = {},
                                       double time_limit = 60);
 
+/// How far a body went from where it was put.
+struct Settled {
+  double moved = 0;   // m, its centre of mass
+  double turned = 0;  // rad
+};
+
+/// Puts a solid of uniform density where `mesh_W` says, at rest, on the table z = 0 and among
+/// `others_W`, which do not move, and lets it go for `duration` [s, simulated] (simulation::World,
+/// with speed, unlike resting_pose()). One that reaches below the table is raised first, which
+/// counts as having moved. `mass` in kg, > 0.
+/// @throws geometry::InputError for a mesh that encloses no volume.
+Settled settled(const geometry::TriangleMesh& mesh_W, double mass,
+                const std::vector<geometry::TriangleMesh>& others_W = {}, double duration = 3);
+
 }  // namespace prehend::eval
