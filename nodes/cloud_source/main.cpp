@@ -46,12 +46,11 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
 // By the parameters, or by the front.
 perception::SegmentationOptions segmentation_options(const graph::Node& node,
                                                      const nodes::StageFidelity& fidelity) {
-  fidelity::SeeingOptions options;
-  options.segmentation = nodes::segmentation_options(node);
+  perception::SegmentationOptions options = nodes::segmentation_options(node);
   if (const auto& chosen = fidelity.chosen()) {
     fidelity::apply_seeing_setting(chosen->setting, &options);
   }
-  return options.segmentation;
+  return options;
 }
 
 // A cloud without table or objects is an answer: it is published and the node stays.

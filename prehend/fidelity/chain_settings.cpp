@@ -94,6 +94,13 @@ void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
   }
 }
 
+void apply_seeing_setting(const Setting& setting, perception::SegmentationOptions* options) {
+  SeeingOptions all;
+  all.segmentation.clustering = options->clustering;
+  apply_seeing_setting(setting, &all);
+  options->clustering = all.segmentation.clustering;
+}
+
 Setting stage_setting(const Front& front, const Setting& setting, Stage stage) {
   if (front.subject == to_string(stage)) return setting;
   if (!is_chain(front)) {

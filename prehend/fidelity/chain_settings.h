@@ -33,6 +33,9 @@ struct SeeingOptions {
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 void apply_seeing_setting(const Setting& setting, SeeingOptions* options);
 
+/// The same of a cloud, which is neither matched nor binned: its clustering alone.
+void apply_seeing_setting(const Setting& setting, perception::SegmentationOptions* options);
+
 /// The knobs that a setting of `front` has for the stage, by the stage's own names; times and
 /// errors stay those of the setting. A front of that stage alone is taken as it is.
 /// @throws geometry::InputError when the front is of something else, or a knob is of no stage.

@@ -66,11 +66,28 @@ TEST(ChainSettings, KnobsOfNoStageAndBadValuesAreRefused) {
     EXPECT_THROW(stage_setting(front, front.settings[0], Stage::kShape), InputError) << knob;
   }
   SeeingOptions seeing;
-  for (const auto& [knob, value] :
-       {std::pair{"stereo", "laser"}, std::pair{"clustering", "kmeans"}, std::pair{"leaf", "1"}}) {
+  for (const auto& [knob, value] : {std::pair{"stereo", "laser"}, std::pair{"clustering", "kmeans"},
+                                    std::pair{"leaf", "1"}, std::pair{"binning", "3"}}) {
     EXPECT_THROW(apply_seeing_setting({{{knob, value}}, 0, 0}, &seeing), InputError)
         << knob << " " << value;
   }
+}
+
+// Binned pictures are noisier; a cloud is not binned.
+TEST(ChainSettings, BinningRaisesTheLeastHeightOfObjects) {
+  const double own = perception::SegmentationOptions{}.min_object_height;
+  const Setting setting{{{"binning", "4"}, {"clustering", "organized"}}, 0, 0};
+  SeeingOptions seeing;
+  apply_seeing_setting(setting, &seeing);
+  EXPECT_EQ(seeing.binning, 4);
+  EXPECT_DOUBLE_EQ(seeing.segmentation.min_object_height, 4 * own);
+  seeing.segmentation.min_object_height = 0.1;  // asked for
+  apply_seeing_setting(setting, &seeing);
+  EXPECT_DOUBLE_EQ(seeing.segmentation.min_object_height, 0.1);
+  perception::SegmentationOptions cloud;
+  apply_seeing_setting(setting, &cloud);
+  EXPECT_DOUBLE_EQ(cloud.min_object_height, own);
+  EXPECT_EQ(cloud.clustering, perception::Clustering::kOrganized);
 }
 
 // A budget chooses by what is lifted, a tolerance by the meshes, of which a chain's error is not.

@@ -159,10 +159,8 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   target.chain = chosen_chain(choices);
   if (target.chain) {
     const auto& [front, setting] = *target.chain;
-    fidelity::SeeingOptions seeing{{}, segmentation};
     fidelity::apply_seeing_setting(stage_setting(front, setting, fidelity::Stage::kSeeing),
-                                   &seeing);
-    segmentation = seeing.segmentation;
+                                   &segmentation);
     shape_options = fidelity::shape_options(stage_setting(front, setting, fidelity::Stage::kShape));
     target.notes.push_back("chosen: " + to_string(setting) + " (" + measured_text(front, setting) +
                            ")");
