@@ -133,12 +133,12 @@ std::vector<StereoRun> compare_stereo_methods(const StereoTruth& truth) {
   const std::pair<const char*, StereoOptions> own[] = {
       {"block matching",
        with([](StereoOptions& o) { o.method = perception::StereoMethod::kBlockMatching; })},
-      {"block matching, all disparities", with([](StereoOptions& o) {
+      {"block matching, narrowed", with([](StereoOptions& o) {
          o.method = perception::StereoMethod::kBlockMatching;
-         o.narrow_search = false;
+         o.narrow_search = true;
        })},
       {"semi-global", base},
-      {"semi-global, all disparities", with([](StereoOptions& o) { o.narrow_search = false; })},
+      {"semi-global, narrowed", with([](StereoOptions& o) { o.narrow_search = true; })},
       {"semi-global, both ways", with([](StereoOptions& o) { o.match_both_ways = true; })},
       {"semi-global, 8 directions", with([](StereoOptions& o) { o.eight_directions = true; })},
       {"semi-global, filtered", with([](StereoOptions& o) { o.filter = true; })},

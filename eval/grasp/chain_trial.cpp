@@ -35,7 +35,10 @@ Setting of_knobs(Knobs knobs) {
 
 std::vector<Setting> seeing_settings() {
   const auto seeing = [](const char* binning, const char* stereo, const char* clustering) {
-    return of_knobs({{"binning", binning}, {"stereo", stereo}, {"clustering", clustering}});
+    return of_knobs({{"binning", binning},
+                     {"stereo", stereo},
+                     {"search", "narrow"},
+                     {"clustering", clustering}});
   };
   return {seeing("4", "semi_global", "organized"), seeing("2", "block_matching", "organized"),
           seeing("2", "semi_global", "organized"), seeing("1", "semi_global", "euclidean")};

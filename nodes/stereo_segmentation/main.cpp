@@ -54,9 +54,9 @@ class StereoSegmentation {
     nodes::declare_stereo_parameters(node);
     declare_image_parameters(node);
     nodes::declare_segmentation_parameters(node, false);
-    fidelity_.emplace(
-        node, fidelity::Stage::kSeeing,
-        std::vector<std::string>{"method", "eight_directions", "clustering", "binning"});
+    fidelity_.emplace(node, fidelity::Stage::kSeeing,
+                      std::vector<std::string>{"method", "eight_directions", "clustering",
+                                               "binning", "narrow_search"});
     const bool takes_depth = node.parameter<std::string>("input") == "depth";
     if (takes_depth) nodes::refuse_stereo_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());

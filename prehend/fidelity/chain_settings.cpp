@@ -81,6 +81,8 @@ void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
           knob_is(kSeeingSubject, knob, value, "organized", "euclidean")
               ? perception::Clustering::kOrganized
               : perception::Clustering::kEuclidean;
+    } else if (knob == "search") {
+      options->stereo.narrow_search = knob_is(kSeeingSubject, knob, value, "narrow", "all");
     } else if (knob == "binning") {
       if (value != "1" && value != "2" && value != "4") refuse_knob(kSeeingSubject, knob, value);
       options->binning = value.front() - '0';

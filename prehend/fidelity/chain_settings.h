@@ -29,6 +29,7 @@ struct SeeingOptions {
 /// Sets the options that a setting chooses; all others stay as they are. Knobs (all optional):
 ///   stereo      semi_global | block_matching | eight_directions
 ///   clustering  euclidean | organized
+///   search      all | narrow: disparities, see StereoOptions::narrow_search
 ///   binning     1 | 2 | 4; the least height of an object grows with it
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 void apply_seeing_setting(const Setting& setting, SeeingOptions* options);

@@ -37,7 +37,7 @@ struct StereoOptions {
   int left_right_tolerance = 1;   // pixels; -1 switches the left-right check off
   bool eight_directions = false;  // full two-pass algorithm: better, 1.6 times slower, more memory
   /// Search only disparities near which a small match finds anything, see disparity_search.h.
-  bool narrow_search = true;
+  bool narrow_search = false;
   /// Match from the right image as well (doubles the time): the confidence then knows of
   /// occlusions.
   bool match_both_ways = false;

@@ -66,8 +66,9 @@ TEST(ChainSettings, KnobsOfNoStageAndBadValuesAreRefused) {
     EXPECT_THROW(stage_setting(front, front.settings[0], Stage::kShape), InputError) << knob;
   }
   SeeingOptions seeing;
-  for (const auto& [knob, value] : {std::pair{"stereo", "laser"}, std::pair{"clustering", "kmeans"},
-                                    std::pair{"leaf", "1"}, std::pair{"binning", "3"}}) {
+  for (const auto& [knob, value] :
+       {std::pair{"stereo", "laser"}, std::pair{"clustering", "kmeans"}, std::pair{"leaf", "1"},
+        std::pair{"binning", "3"}, std::pair{"search", "some"}}) {
     EXPECT_THROW(apply_seeing_setting({{{knob, value}}, 0, 0}, &seeing), InputError)
         << knob << " " << value;
   }
@@ -76,10 +77,12 @@ TEST(ChainSettings, KnobsOfNoStageAndBadValuesAreRefused) {
 // Binned pictures are noisier; a cloud is not binned.
 TEST(ChainSettings, BinningRaisesTheLeastHeightOfObjects) {
   const double own = perception::SegmentationOptions{}.min_object_height;
-  const Setting setting{{{"binning", "4"}, {"clustering", "organized"}}, 0, 0};
+  const Setting setting{
+      {{"binning", "4"}, {"search", "narrow"}, {"clustering", "organized"}}, 0, 0};
   SeeingOptions seeing;
   apply_seeing_setting(setting, &seeing);
   EXPECT_EQ(seeing.binning, 4);
+  EXPECT_TRUE(seeing.stereo.narrow_search);
   EXPECT_DOUBLE_EQ(seeing.segmentation.min_object_height, 4 * own);
   seeing.segmentation.min_object_height = 0.1;  // asked for
   apply_seeing_setting(setting, &seeing);

@@ -134,7 +134,7 @@ TEST(MatchStereo, LeastConfidenceDropsPixels) {
 TEST(NarrowSearch, FindsWhatAllDisparitiesFind) {
   const MatchPair pair = make_pair();
   StereoOptions narrow, all;
-  all.narrow_search = false;
+  narrow.narrow_search = true;
   const DisparityRange range = seen_disparity_range(pair.left, pair.right, camera(), narrow);
   EXPECT_LT(range.count, disparity_range(camera(), all).count);
   EXPECT_LE(range.minimum, kFar - 2);
