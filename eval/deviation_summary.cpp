@@ -185,8 +185,7 @@ std::string cases_csv(const std::vector<CaseResult>& results) {
   std::string text =
       "group,data_set,orientation_deg,points,mask_iou,method,mean_m,variance_m2,percentile_95_m,"
       "max_m,back_mean_m,back_max_m,centroid_error,normal_error_rad,jaccard,moved_m,turned_rad,"
-      "vote,"
-      "confidence,seconds,"
+      "vote,confidence,seconds,"
       "watertight,problem\n";
   for (const CaseResult& result : results) {
     const std::string head = fmt::format("{},{},{},{},{:.4f}", result.group, result.data_set,

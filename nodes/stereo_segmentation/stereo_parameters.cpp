@@ -67,8 +67,8 @@ void declare_stereo_parameters(graph::Node& node) {
        .minimum = 1,
        .maximum = 16,
        .description =
-           "pixels of a side that are made one before anything else; 2 is about six "
-           "times faster, and objects, masks and camera are those of the smaller image"});
+           "pixels of a side that are made one before anything else; 2 is about "
+           "seven times faster, and objects, masks and camera are those of the smaller image"});
   node.declare_parameter<std::string>(
       {.name = "process",
        .default_value = "once_per_scene",

@@ -31,10 +31,13 @@ DisparityRange seen_disparity_range(const GreyImage& left, const GreyImage& righ
   if (all.count <= kFewDisparities) return all;
   const DisparityImage coarse = disparity_by_sgbm(binned(left, kCoarse), binned(right, kCoarse),
                                                   binned(camera, kCoarse), coarse_options(options));
+  // The small pair's range is one of sixteens, too, and may reach beyond what is asked for.
+  const int end = all.minimum + all.count - 1;
+  const auto farthest = static_cast<float>(end + kSearchMargin) / kCoarse;
   float least = 0, most = 0;
   std::size_t matched = 0;
   for (const float d : coarse.data) {
-    if (std::isnan(d)) continue;
+    if (std::isnan(d) || d > farthest) continue;
     least = matched == 0 ? d : std::min(least, d);
     most = std::max(most, d);
     matched += 1;
@@ -44,8 +47,7 @@ DisparityRange seen_disparity_range(const GreyImage& left, const GreyImage& righ
   }
   const int first =
       std::max(static_cast<int>(std::floor(kCoarse * least)) - kSearchMargin, all.minimum);
-  const int last = std::min(static_cast<int>(std::ceil(kCoarse * most)) + kSearchMargin,
-                            all.minimum + all.count - 1);
+  const int last = std::min(static_cast<int>(std::ceil(kCoarse * most)) + kSearchMargin, end);
   return {first, std::min((last - first) / 16 * 16 + 16, all.count)};
 }
 

@@ -168,6 +168,38 @@ TEST(NarrowSearch, SearchesAllWhereLittleIsMatched) {
   EXPECT_EQ(range.count, all.count);
 }
 
+// The small pair's disparities come in sixteens, too, and reach farther than those that are asked
+// for.
+TEST(NarrowSearch, WhatIsNearerThanTheNearestDepthIsNotSearched) {
+  constexpr int kWidth = 512, kHeight = 64, kShift = 125;
+  std::mt19937_64 random(6);
+  GreyImage wall(kWidth + kShift, kHeight), left(kWidth, kHeight), right(kWidth, kHeight);
+  for (int v = 0; v < kHeight; ++v) {
+    // Texture that the small pair sees as well.
+    for (int u = 0; u < wall.width; ++u) {
+      wall.at(u, v) = v % 4 == 0 && u % 4 == 0 ? static_cast<std::uint8_t>(random() % 256)
+                                               : wall.at(u - u % 4, v - v % 4);
+    }
+  }
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      left.at(u, v) = wall.at(u, v);
+      right.at(u, v) = wall.at(u + kShift, v);
+    }
+  }
+  const geometry::StereoCamera camera{{kWidth, kHeight, 400, 400, 256, 32}, 0.5};
+  StereoOptions options;
+  options.min_depth = 2.597;  // 77 pixels
+  options.max_depth = 20;
+  options.narrow_search = true;
+  const DisparityRange all = disparity_range(camera, options);
+  const DisparityRange range = seen_disparity_range(left, right, camera, options);
+  EXPECT_GE(range.minimum, all.minimum);
+  EXPECT_GE(range.count, 16);
+  EXPECT_LE(range.count, all.count);
+  EXPECT_NO_THROW(match_stereo(left, right, camera, options));
+}
+
 TEST(StereoDisparity, IsThatOfTheMatch) {
   const MatchPair pair = make_pair();
   geometry::ColorImage left(kMatchWidth, kMatchHeight), right = left;
