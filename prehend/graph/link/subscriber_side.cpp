@@ -41,7 +41,7 @@ void SubscriberSide::remove(std::uint64_t id) {
   message.mutable_unsubscribe()->set_subscription(id);
   for (const auto& [server, source] : found->second.sources) {
     const LocalNode node = LocalNodes::of_this_process().find(server);
-    if (source.local && node.loop) {
+    if (link_.use_pointers && node.loop) {  // as the request went, answered yet or not
       node.loop->post([publishers = node.publishers, client = link_.instance, message] {
         publishers->leave(client, message.unsubscribe());
       });
