@@ -35,10 +35,8 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
     check(node, misfits, "with a parallel gripper", "it is of hands with fingers");
   } else {
     const auto file = node.parameter<std::string>("front");
-    const bool is_of_chain = front != nullptr && front->subject == "chain";
-    if (!file.empty() && !is_of_chain) {
-      refuse("front", "with a hand of fingers",
-             "it was measured with the parallel gripper, or no budget chooses from it");
+    if (!file.empty() && fidelity::read_front(file).subject != "chain") {
+      refuse("front", "with a hand of fingers", "it was measured with the parallel gripper");
     }
     grasp::PadOptions pads;
     grasp::PadOptions::knobs(pads, list);

@@ -8,6 +8,7 @@
 #include "nodes/grasp_planning/misfit_parameters.h"
 #include "nodes/grasp_planning/touch_parameters.h"
 #include "nodes/platform_source/platform_source.h"
+#include "nodes/stage_fidelity/asked_fidelity.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
@@ -90,15 +91,14 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
 // planning: there is no default front.
 std::optional<fidelity::Front> front_to_choose_from(const graph::Node& node,
                                                     const robot::Platform& platform,
-                                                    const grasp::PlannerOptions& options) {
+                                                    const AskedFidelity& asked) {
   auto file = node.parameter<std::string>("front");
-  const bool has_tolerance = node.parameter<double>("tolerance") > 0;
-  if (!(options.budget > 0) && !has_tolerance) return std::nullopt;
-  if (file.empty() && platform.hand.gripper) file = text::tree_file("config/fidelity/plan.yaml");
-  if (!file.empty()) return fidelity::read_front(file);
-  if (!has_tolerance) return std::nullopt;
-  throw geometry::InputError("A tolerance is given without the front of a chain to choose from",
-                             "Give front, as config/fidelity/chain.yaml");
+  if (!asked.is_asked()) return std::nullopt;
+  if (file.empty() && asked.task_at.empty()) {
+    if (platform.hand.gripper) file = text::tree_file("config/fidelity/plan.yaml");
+    if (file.empty() && !(asked.tolerance > 0)) return std::nullopt;
+  }
+  return read_asked_front(file, asked);
 }
 
 }  // namespace
@@ -167,12 +167,16 @@ std::unique_ptr<PlatformPlanning> declare_platform(graph::Node& node) {
   options.touch = touch.options;
   options.grip_force = declare_grip_force(node);
   refuse_touch_parameters(node, platform);
-  const std::optional<fidelity::Front> front = front_to_choose_from(node, platform, options.grasps);
+  const AskedFidelity asked =
+      asked_fidelity(task, options.grasps.budget, node.parameter<double>("tolerance"));
+  const std::optional<fidelity::Front> front = front_to_choose_from(node, platform, asked);
   refuse_what_does_not_apply(node, platform, front ? &*front : nullptr);
   if (front) {
-    node.log_info("chosen from {}: {}", node.parameter<std::string>("front"),
-                  fidelity::apply_plan_front(*front, options.grasps.budget,
-                                             node.parameter<double>("tolerance"), &options.grasps));
+    // A parameter that nothing keeps cuts planning off, a task does not begin.
+    if (!asked.task_at.empty()) choose_asked(*front, asked);
+    node.log_info(
+        "chosen from {}: {}", node.parameter<std::string>("front"),
+        fidelity::apply_plan_front(*front, asked.budget, asked.tolerance, &options.grasps));
   }
   return std::make_unique<PlatformPlanning>(std::move(platform), home, std::move(options),
                                             touch.chosen, std::move(task));

@@ -16,8 +16,8 @@
 #include "msgs/convert/outcomes.h"
 #include "msgs/convert/remedies.h"
 #include "msgs/convert/touch.h"
+#include "nodes/grasp_planning/task_places.h"
 #include "nodes/grasp_planning/touch_parameters.h"
-#include "nodes/task_source/task_source.h"
 #include "prehend/control/planned_grasp.h"
 
 namespace prehend::nodes {

@@ -14,6 +14,7 @@
 #include "msgs/convert/outcomes.h"
 #include "nodes/report/belief_section.h"
 #include "nodes/report/charts_section.h"
+#include "nodes/report/fidelity_section.h"
 #include "nodes/report/film_section.h"
 #include "nodes/report/made_by.h"
 #include "nodes/report/object_section.h"
@@ -240,6 +241,7 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   if (collected.result && collected.result->attempts() > 0) {
     section(page, "In three dimensions", [&] { add_film(page, collected, platform); });
   }
+  add_fidelity(page, collected);
   section(page, "What was seen", [&] { add_view(page, collected); });
   // The object of the cycle first.
   const std::uint32_t shown = shown_object(collected);

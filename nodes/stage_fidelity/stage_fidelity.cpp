@@ -1,21 +1,24 @@
 #include "nodes/stage_fidelity/stage_fidelity.h"
 
+#include <utility>
+
 #include "msgs/convert/fidelity.h"
+#include "nodes/stage_fidelity/asked_fidelity.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::nodes {
 namespace {
 
-ChosenStage choose(const std::string& file, fidelity::Stage stage, double budget,
-                   double tolerance) {
-  if (file.empty()) {
-    throw geometry::InputError("Parameter front is empty, but a budget or tolerance is given",
-                               "Name a front like config/fidelity/chain.yaml");
-  }
-  const fidelity::Front front = fidelity::read_front(file);
-  const fidelity::Setting& setting = fidelity::choose_for_stage(front, budget, tolerance);
-  return {fidelity::stage_setting(front, setting, stage),
-          convert::to_message(setting, fidelity::measured_text(front, setting))};
+ChosenStage choose(const std::string& file, fidelity::Stage stage, const AskedFidelity& asked) {
+  const fidelity::Front front = read_asked_front(file, asked);
+  const fidelity::Setting& setting = choose_asked(front, asked);
+  msgs::FidelityChoice choice =
+      convert::to_message(front, setting, fidelity::measured_text(front, setting));
+  choice.set_budget(asked.budget);
+  choice.set_tolerance(asked.tolerance);
+  choice.set_asked_at(asked.task_at);
+  return {fidelity::stage_setting(front, setting, stage), std::move(choice)};
 }
 
 void refuse_beside_front(const graph::Node& node, const std::vector<std::string>& chosen_by_front) {
@@ -56,13 +59,16 @@ StageFidelity::StageFidelity(graph::Node& node, fidelity::Stage stage,
        .description = "mean error of the mesh: the fastest setting of the front that keeps it; 0: "
                       "none asked for. At the start only",
        .read_only = true});
-  if (budget == 0 && tolerance == 0) return;
+  const AskedFidelity asked = asked_fidelity(declare_task(node), budget, tolerance);
+  if (!asked.is_asked()) return;
   refuse_beside_front(node, chosen_by_front);
   try {
-    chosen_ = choose(file, stage, budget, tolerance);
+    chosen_ = choose(file, stage, asked);
     node.log_info("chosen from {}: {} ({})", file, to_string(chosen_->setting),
                   chosen_->choice.measured());
   } catch (const geometry::InputError& error) {
+    // The task is the whole graph's: it does not begin with one that cannot be done.
+    if (!asked.task_at.empty()) throw;
     problem_ = error;
     node.report(graph::Health::kError, error.what());
   }

@@ -19,16 +19,19 @@ namespace prehend::nodes {
 /// A point of the front.
 struct ChosenStage {
   fidelity::Setting setting;    // the knobs of the node's stage, without the stage's name
-  msgs::FidelityChoice choice;  // the knobs of all stages, and what they measured
+  msgs::FidelityChoice choice;  // the knobs of all stages, what they measured, and the front
 };
 
 /// What a node was asked for.
 class StageFidelity {
  public:
-  /// Declares `front`, `budget` and `tolerance` and reads them: the most accurate setting within a
-  /// budget, or the fastest within a tolerance. Logs what was chosen, and reports an error when
-  /// nothing could be. @param chosen_by_front the node's own parameters that a front sets.
-  /// @throws geometry::InputError when one of those is given beside a budget or tolerance.
+  /// Declares `front`, `budget`, `tolerance`, `task` and `tasks` and reads them: the most accurate
+  /// setting within a budget, or the fastest within a tolerance, of the parameters or the task's.
+  /// Logs what was chosen, and reports an error when nothing could be.
+  /// @param chosen_by_front the node's own parameters that a front sets.
+  /// @throws geometry::InputError when one of those is given beside a budget or tolerance, when
+  /// task and parameters both have one, when the task cannot be read, and when nothing of the front
+  /// keeps what it asks for.
   StageFidelity(graph::Node& node, fidelity::Stage stage,
                 const std::vector<std::string>& chosen_by_front);
 

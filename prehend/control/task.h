@@ -88,6 +88,11 @@ struct Task {
   bool all_objects = false;
   int most_objects = 20;          // > 0, that are moved at most
   std::vector<TaskPlace> places;  // none: what is held is put where there is room
+  /// What the whole chain from images to ranked grasps is asked for, as
+  /// fidelity::choose_for_stage() has it: at most one is above 0.
+  double budget = 0;     // s of processor
+  double tolerance = 0;  // m, mean error of the meshes
+  std::string asked_at;  // "file:line: budget", where it stands; empty: nothing is asked for
 
   /// The first place for things of this size, the longest side of the upright box round them [m];
   /// null: wherever there is room. @throws geometry::InputError when there are places and all are

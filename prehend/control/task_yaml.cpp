@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include "prehend/control/task.h"
@@ -54,6 +55,7 @@ class TaskReader {
     map_.choose("objects", std::vector<std::pair<std::string, bool>>{{"one", false}, {"all", true}},
                 task_.all_objects);
     map_.read("most_objects", task_.most_objects);
+    read_asked();
     const YAML::Node places = map_.child("places"), states = map_.child("states");
     map_.finish();
     if (task_.most_objects < 1) map_.fail("most_objects", "must be 1 or more", "Give a number");
@@ -74,6 +76,26 @@ class TaskReader {
   }
 
  private:
+  // One of them speaks for all stages, as at a launch file.
+  void read_asked() {
+    for (const auto& [key, value] :
+         {std::pair{"budget", &task_.budget}, std::pair{"tolerance", &task_.tolerance}}) {
+      map_.read(key, *value);
+      const YAML::Node given = root_[key];
+      if (!given.IsDefined()) continue;
+      if (!(*value > 0)) {
+        map_.fail(key, "is not positive",
+                  fmt::format("Give {}, or leave it out for the nodes' own settings",
+                              value == &task_.budget ? "seconds of processor, as 1.1"
+                                                     : "metres, as 0.003"));
+      }
+      if (!task_.asked_at.empty()) {
+        map_.fail(key, "is given beside a budget", "Leave one of them out");
+      }
+      task_.asked_at = fmt::format("{}:{}: {}", path_.string(), given.Mark().line + 1, key);
+    }
+  }
+
   void read_places(const YAML::Node& node) {
     text::YamlMap names(node, path_, "task.places");
     for (const std::string& name : keys_of(node)) {

@@ -96,6 +96,37 @@ TEST(Task, PutsThingsByTheirSize) {
   EXPECT_THROW(small.place_for(1), geometry::InputError);
 }
 
+// For the whole chain, and by one of the two.
+TEST(Task, SaysHowWellItsChainIsToBe) {
+  EXPECT_EQ(parse_task(kWhole, "mine.yaml").asked_at, "");
+  const Task budget = parse_task(changed("start: look", "budget: 1.1\nstart: look"), "mine.yaml");
+  EXPECT_EQ(budget.budget, 1.1);
+  EXPECT_EQ(budget.tolerance, 0);
+  EXPECT_EQ(budget.asked_at, "mine.yaml:2: budget");
+  const Task tolerance = parse_task(std::string(kWhole) + "tolerance: 0.003\n", "mine.yaml");
+  EXPECT_EQ(tolerance.budget, 0);
+  EXPECT_EQ(tolerance.tolerance, 0.003);
+  EXPECT_THAT(tolerance.asked_at, AllOf(HasSubstr("mine.yaml:"), HasSubstr(": tolerance")));
+}
+
+TEST(Task, RefusesABudgetThatIsNone) {
+  for (const char* number : {"0", "-1"}) {
+    EXPECT_THAT(
+        refusal(changed("start: look", std::string("start: look\nbudget: ") + number)),
+        AllOf(HasSubstr("mine.yaml:3"), HasSubstr("budget"), HasSubstr("seconds of processor")))
+        << number;
+  }
+  EXPECT_THAT(refusal(changed("start: look", "start: look\nbudget: .nan")),
+              AllOf(HasSubstr("mine.yaml:3"), HasSubstr("budget is no finite number")));
+  EXPECT_THAT(refusal(changed("start: look", "start: look\ntolerance: 0")),
+              AllOf(HasSubstr("mine.yaml:3"), HasSubstr("metres, as 0.003")));
+  EXPECT_THAT(refusal(changed("start: look", "budget: 1\nstart: look\ntolerance: 0.003")),
+              AllOf(HasSubstr("mine.yaml:4"), HasSubstr("Leave one of them out")));
+  EXPECT_THAT(refusal(changed("start: look", "budgt: 1\nstart: look")),
+              HasSubstr("nearest is 'budget'"));
+  EXPECT_THAT(refusal(changed("start: look", "budget: fast\nstart: look")), HasSubstr("budget"));
+}
+
 TEST(Task, RefusesWhatIsMistyped) {
   EXPECT_THAT(
       refusal(changed("do: look", "do: loock")),

@@ -148,11 +148,38 @@ TEST_F(TouchOfLaunchFiles, OneBudgetReachesAllStages) {
             << words[0] << " " << node;
       }
     }
-    const std::string silent = dry_run(words);
-    EXPECT_THAT(of_node(silent, "grasp_planning"), HasSubstr("front: \"\"\n")) << words[0];
+    // A task may have one: every stage knows the task and the front.
+    std::vector<std::string> of_task = words;
+    of_task.emplace_back("task:=work_cycle");
+    const std::string graph = dry_run(of_task);
+    const bool of_cloud = graph.find("- node: cloud_source") != std::string::npos;
+    for (const char* node : {of_cloud ? "cloud_source" : "stereo_segmentation", "shape_completion",
+                             "poisson_meshing", "grasp_planning"}) {
+      EXPECT_THAT(of_node(graph, node), AllOf(HasSubstr("task: work_cycle\n"), HasSubstr(front)))
+          << words[0] << " " << node;
+    }
   }
+  EXPECT_THAT(of_node(dry_run({"launch/prediction.yaml", "plan_budget:=1"}), "grasp_planning"),
+              HasSubstr("front: \"\"\n"));
   EXPECT_THAT(dry_run({"launch/prediction.yaml", "budget:=1", "plan_budget:=1"}, 1),
               HasSubstr("leave plan_budget away"));
+}
+
+// The paper's candidates were not measured in chains: the two are not had together.
+TEST_F(TouchOfLaunchFiles, OneBudgetIsNotForThePapersCandidates) {
+  EXPECT_THAT(dry_run({"launch/kth.yaml", "budget:=2"}, 1),
+              AllOf(HasSubstr("launch/kth.yaml:"), HasSubstr("[segments]"),
+                    HasSubstr("give generators:=[] too")));
+  const std::string graph = dry_run({"launch/kth.yaml", "tolerance:=0.003", "generators:=[]"});
+  for (const char* node :
+       {"stereo_segmentation", "shape_completion", "poisson_meshing", "grasp_planning"}) {
+    EXPECT_THAT(of_node(graph, node),
+                AllOf(HasSubstr("tolerance: 0.003\n"), HasSubstr("/chain_hand.yaml\n")))
+        << node;
+  }
+  const std::string camera = dry_run({"launch/emulated_camera.yaml", "cycle:=true", "budget:=2"});
+  EXPECT_THAT(of_node(camera, "stereo_segmentation"), HasSubstr("budget: 2\n"));
+  EXPECT_THAT(dry_run({"launch/emulated_camera.yaml", "budget:=2"}, 1), HasSubstr("budget"));
 }
 
 // The grasps of the PG70, the only hand of hil.yaml, are planned by what its pads feel: there is

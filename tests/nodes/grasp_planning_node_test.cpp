@@ -314,6 +314,28 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
               HasSubstr("'generators' does not apply beside a budget"));
 }
 
+// Of the whole graph: it does not begin with what cannot be kept, while a parameter that nothing
+// keeps cuts planning off.
+TEST_F(GraspPlanningNode, ATaskThatNoChainKeepsIsRefused) {
+  std::ifstream in("config/tasks/pick_and_place.yaml");
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  const auto refusal = [&](const std::string& key, std::vector<std::string> parameters) {
+    std::ofstream(scratch_.path() / "mine.yaml") << key << "\n" << text;
+    parameters.insert(parameters.end(), {"task:=mine", "tasks:=" + scratch_.path().string()});
+    start(parameters);
+    EXPECT_EQ(planning_->wait(seconds(20)), 2);
+    return planning_->output();
+  };
+  const std::string chain = "front:=config/fidelity/chain.yaml";
+  EXPECT_THAT(refusal("budget: 0.15", {chain}),
+              AllOf(HasSubstr("mine.yaml:1: budget"), HasSubstr("Give at least 0.64")));
+  EXPECT_THAT(refusal("budget: 1.1", {chain, "budget:=1"}),
+              AllOf(HasSubstr("mine.yaml:1: budget"), HasSubstr("Leave one of them out")));
+  EXPECT_THAT(refusal("tolerance: 0.003", {chain, "rolls:=4"}),
+              HasSubstr("'rolls' does not apply beside a budget"));
+  EXPECT_THAT(refusal("tolerance: 0.003", {}), HasSubstr("front is empty"));
+}
+
 // A sliver among the pieces is one of them.
 TEST_F(GraspPlanningNode, FlatPiecesAreObstaclesAndCanBeHeld) {
   start({"platform:=kr5_sdh", "home:=side", "motions:=1"});

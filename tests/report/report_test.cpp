@@ -8,6 +8,7 @@
 
 #include "prehend/report/charts.h"
 #include "prehend/report/film.h"
+#include "prehend/report/front_chart.h"
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
@@ -43,6 +44,41 @@ TEST(Page, SaysWhichFileCannotBeWritten) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("/proc/no-such-folder/report.html"));
   }
+}
+
+TEST(FrontChart, SaysAndDrawsWhatWasChosen) {
+  DrawnFront front;
+  front.subject = "shape";
+  front.error_name = "distance of the truth";
+  front.error_unit = "m";
+  front.points = {{0.02, 0.003, 0}, {0.06, 0.002, 0}};
+  front.chosen = 1;
+  front.tolerance = 0.0025;
+  front.measured = "60 ms, 2.00 mm";
+  front.knobs = "thinning 0.04";
+  EXPECT_EQ(front_text(front),
+            "A tolerance of 2.5 mm chose from the measured front of 'shape', 2 settings: 60 ms, "
+            "2.00 mm (thinning 0.04).");
+  Page page("front");
+  add_front(page, front);
+  EXPECT_THAT(page.html(), HasSubstr("error [mm]"));
+  EXPECT_THAT(page.html(), HasSubstr(">chosen<"));
+  EXPECT_THAT(page.html(), Not(HasSubstr("meshes")));  // of which it does not tell
+  front.chosen = 2;
+  EXPECT_THROW(add_front(page, front), std::invalid_argument);
+}
+
+// A front of one setting has nothing beside the one that is chosen.
+TEST(FrontChart, DrawsASinglePoint) {
+  DrawnFront front;
+  front.subject = "chain";
+  front.error_unit = "of views";
+  front.points = {{1.4, 0.25, 0.007}};
+  front.budget = 2;
+  Page page("front");
+  add_front(page, front);
+  EXPECT_THAT(page.html(), HasSubstr("error [% of views]"));
+  EXPECT_THAT(page.html(), HasSubstr("error of the meshes [mm]"));
 }
 
 TEST(Charts, DrawSeriesWithGapsAndHostileNames) {

@@ -35,7 +35,37 @@ std::optional<ChosenChain> chosen_chain(const PlanChoices& choices) {
   chain.front =
       fidelity::read_front(std::filesystem::path(choices.config) / "fidelity" / front_of(choices));
   chain.setting = fidelity::choose_for_stage(chain.front, seconds, choices.tolerance);
+  chain.budget = seconds;
+  chain.tolerance = choices.tolerance;
   return chain;
+}
+
+report::DrawnFront drawn_front(const ChosenChain& chain) {
+  report::DrawnFront drawn;
+  drawn.subject = chain.front.subject;
+  drawn.error_name = chain.front.error_name;
+  drawn.error_unit = chain.front.error_unit;
+  for (const fidelity::Setting& one : chain.front.settings) {
+    if (one.knobs == chain.setting.knobs) drawn.chosen = drawn.points.size();
+    drawn.points.push_back({one.seconds, one.error, fidelity::tolerated_error(chain.front, one)});
+  }
+  drawn.budget = chain.budget;
+  drawn.tolerance = chain.tolerance;
+  drawn.measured = fidelity::measured_text(chain.front, chain.setting);
+  drawn.knobs = to_string(chain.setting);
+  return drawn;
+}
+
+Json json_of(const ChosenChain& chain) {
+  Json knobs = Json::object();
+  for (const auto& [name, value] : chain.setting.knobs) knobs.set(name, value);
+  return Json::object()
+      .set("budget_s", chain.budget)
+      .set("tolerance_m", chain.tolerance)
+      .set("measured_s", chain.setting.seconds)
+      .set("measured_share_not_lifted", chain.setting.error)
+      .set("measured_mesh_error_m", fidelity::tolerated_error(chain.front, chain.setting))
+      .set("knobs", knobs);
 }
 
 }  // namespace prehend::tools

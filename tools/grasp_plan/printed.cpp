@@ -291,6 +291,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
       .set("choices", choices_json(planned.choices))
       .set("remedies", remedies_json(planned.remedies))
       .set("seconds", times);
+  if (target.chain) result.set("chosen", json_of(*target.chain));
   if (planned.arm) {
     Json arm = Json::object(), segments = Json::array(), missed = Json::array();
     for (const auto& segment : planned.arm->motion.segments) {
@@ -419,6 +420,10 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
     report::add_rejections(page, fallen_grasps(planned),
                            static_cast<int>(planned.plan.grasps.size()), "grasps");
     page.add_table(kSegmentHeader, segment_rows(planned));
+  }
+  if (target.chain) {
+    page.add_heading("Speed and accuracy");
+    report::add_front(page, drawn_front(*target.chain));
   }
   page.add_heading("Time");
   page.add_table(kTimeHeader, time_rows(target, planned));

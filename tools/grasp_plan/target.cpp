@@ -158,7 +158,8 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   shape_options.completion.alternatives = choices.alternatives.value_or(kAlternatives);
   target.chain = chosen_chain(choices);
   if (target.chain) {
-    const auto& [front, setting] = *target.chain;
+    const fidelity::Front& front = target.chain->front;
+    const fidelity::Setting& setting = target.chain->setting;
     fidelity::apply_seeing_setting(stage_setting(front, setting, fidelity::Stage::kSeeing),
                                    &segmentation);
     shape_options = fidelity::shape_options(stage_setting(front, setting, fidelity::Stage::kShape));
