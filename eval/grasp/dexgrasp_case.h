@@ -29,7 +29,7 @@ struct DexChoice {
   std::uint64_t seed = 1;  // of the candidates and of the trials for robustness
   int grasps = 6;          // >= 0, tried of each plan, best first
   int threads = 1;         // > 0, of planning
-  /// The planner's candidates that are no disturbed trial: ranks by shape and forces alone.
+  /// Whether grasps are ranked by the planner's disturbed trials, too, as it ships.
   bool robust = true;
 };
 

@@ -20,6 +20,15 @@ robot::HandModel with_friction(robot::HandModel hand, double friction) {
   return hand;
 }
 
+robot::HandModel with_motors(robot::HandModel hand) {
+  for (const robot::Breakaway& breakaway : hand.breakaways) {
+    hand.model.joints[static_cast<std::size_t>(breakaway.joint)].mimic.reset();
+    hand.actuated.push_back(breakaway.joint);
+  }
+  hand.breakaways.clear();
+  return hand;
+}
+
 // Engines' own contacts know no foam: a pad's face is where the link begins.
 RobotBodies bodies_of(robot::HandModel hand) {
   hand.pads.clear();
@@ -47,6 +56,7 @@ std::vector<TriangleMesh> pieces_of_part(const RobotBodies::Part& part) {
 
 DexHand::DexHand(robot::HandModel hand, double friction)
     : model(with_friction(std::move(hand), friction)),
+      freed(with_motors(model)),
       to_close(model),
       bodies(bodies_of(model)),
       pieces_B(bodies.bodies.size()) {

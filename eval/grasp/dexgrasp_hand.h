@@ -18,6 +18,8 @@ struct DexHand {
   DexHand& operator=(const DexHand&) = delete;
 
   robot::HandModel model;
+  /// The same with a motor at each joint that engines move by itself: no coupling breaks away.
+  robot::HandModel freed;
   grasp::HandToClose to_close;  // of `model`
   simulation::RobotBodies
       bodies;  // root at the origin, joints at 0, faces of pads as hard as links

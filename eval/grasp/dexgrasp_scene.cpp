@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "eval/grasp/dexgrasp_squeeze.h"
+
 namespace prehend::eval {
 namespace {
 
@@ -16,7 +18,10 @@ using simulation::engines::EngineShape;
 constexpr double kCarriedMass = 100;   // kg: what a lifted hand weighs, so that fingers do not
                                        // move it
 constexpr double kLeastEffort = 0.05;  // share of the motors', of plans that need next to nothing
-constexpr double kLeastWay = 1e-6;     // rad or m, from open to touching, that has a direction
+// m, that jaws go on beyond where the plan says that they touch, pressing no harder: drives press
+// by their current, wherever it is that they touch.
+constexpr double kFurtherSlide = 0.005;
+constexpr double kLeastWay = 1e-6;  // rad or m, from open to touching, that has a direction
 
 class SceneBuilder {
  public:
@@ -27,6 +32,11 @@ class SceneBuilder {
   }
 
   DexScene build(const DexObject& object, DexTest test) {
+    if (!hand_.model.gripper && !protocol_.equal_efforts) {
+      balanced_ = balanced_squeeze(hand_, grasp_, object.body().X_WB.translation(),
+                                   object.solids_B().bounds().diagonal().norm() / 2,
+                                   protocol_.mass * protocol_.acceleration, protocol_.safety);
+    }
     out_.scene.step = protocol_.step;
     out_.scene.gravity.setZero();  // the object's weight is a force like others
     out_.scene.ground = test == DexTest::kTabletop;
@@ -118,21 +128,53 @@ class SceneBuilder {
     servo.touch = grasp_.closed_all[index] - open_[index];
     servo.stiffness = slides ? protocol_.slide_stiffness : protocol_.stiffness;
     servo.damping = 2 * std::sqrt(servo.stiffness * inertia_at(joint));
-    servo.effort = effort_of(of.max_effort);
-    servo.squeezed = servo.touch;
-    if (std::abs(servo.touch) > kLeastWay) {
-      servo.squeezed += std::copysign(servo.effort / servo.stiffness, servo.touch);
+    servo.effort = of.max_effort;
+    if (balanced_.size() > 0) {
+      servo.squeezed = servo.touch + balanced_[index] / servo.stiffness;
     } else {
-      servo.effort = of.max_effort;  // keeps its place
+      press_by_share(slides, &servo);
     }
+    set_rates(j, &servo);
+    out_.closing = std::max(out_.closing, servo.closing_to_touch());
     out_.servos.push_back(servo);
   }
 
-  double effort_of(double largest) const {
-    if (protocol_.full_effort) return largest;
-    if (grasp_.force > 0) return std::min(largest, 2 * grasp_.force);  // of both jaws' pads
-    if (grasp_.effort <= 0) return largest;
-    return largest * std::clamp(grasp_.effort, kLeastEffort, 1.0);
+  // By the preshape; a joint that breaks away follows until its leader touches.
+  void set_rates(std::size_t j, DexServo* servo) const {
+    const robot::HandModel& hand = hand_.model;
+    const robot::Preshape& preshape = hand.preshape(grasp_.preshape);
+    const auto rate_of = [&](int joint) {
+      const auto at = std::find(hand.actuated.begin(), hand.actuated.end(), joint);
+      if (at == hand.actuated.end()) return 0.0;
+      return preshape.closing[static_cast<std::size_t>(at - hand.actuated.begin())].rate;
+    };
+    servo->rate = rate_of(static_cast<int>(j));
+    for (const robot::Breakaway& breakaway : hand.breakaways) {
+      if (breakaway.joint != static_cast<int>(j)) continue;
+      const double leader = rate_of(breakaway.leader);
+      if (leader == 0) continue;
+      servo->rate = leader * hand.model.joints[j].mimic->multiplier;
+      servo->later = (grasp_.closed_all[breakaway.leader] - open_[breakaway.leader]) / leader;
+      servo->later_rate = leader * breakaway.rate;
+    }
+  }
+
+  // What the plan does not close keeps its place.
+  void press_by_share(bool slides, DexServo* servo) const {
+    servo->squeezed = servo->touch;
+    if (std::abs(servo->touch) <= kLeastWay) return;
+    double effort = servo->effort;
+    if (grasp_.force > 0) {
+      effort = std::min(effort, 2 * grasp_.force);  // of both jaws' pads
+    } else if (grasp_.effort > 0) {
+      effort *= std::clamp(grasp_.effort, kLeastEffort, 1.0);
+    }
+    double way = effort / servo->stiffness;
+    if (slides) {
+      servo->effort = effort;
+      way += kFurtherSlide;
+    }
+    servo->squeezed += std::copysign(way, servo->touch);
   }
 
   // Of the link alone: those beyond it make its loop slower, not less stable.
@@ -149,12 +191,27 @@ class SceneBuilder {
   const RobotBodies& bodies_;
   const grasp::Grasp& grasp_;
   const DexProtocol& protocol_;
-  Eigen::VectorXd open_;  // of all joints of the model
+  Eigen::VectorXd open_;      // of all joints of the model
+  Eigen::VectorXd balanced_;  // the same, efforts that squeeze; empty: by the motors' share
   std::vector<RigidTransform> X_WL_;
   DexScene out_;
 };
 
 }  // namespace
+
+double DexServo::closed_by(double closing) const {
+  const double way = rate * std::min(closing, later) + later_rate * std::max(0.0, closing - later);
+  // What the preshape does not move, or not to there, goes there at once.
+  if (way * touch <= 0 && closing > 0) return rate * touch > 0 ? 0 : touch;
+  return touch < 0 ? std::max(way, touch) : std::min(way, touch);
+}
+
+double DexServo::closing_to_touch() const {
+  if (rate * touch <= 0) return 0;
+  const double before = touch / rate;
+  if (before <= later || later_rate * touch <= 0) return before;
+  return later + (touch - rate * later) / later_rate;
+}
 
 DexScene dex_scene(const DexHand& hand, const DexObject& object, const grasp::Grasp& grasp,
                    DexTest test, const DexProtocol& protocol) {

@@ -97,7 +97,7 @@ class DexRun {
     const double now = position(servo);
     const double rate = (now - before_[k]) / protocol_.step;
     before_[k] = now;
-    const double target = share_ <= 1 ? share_ * servo.touch
+    const double target = share_ <= 1 ? servo.closed_by(share_ * scene_.closing)
                                       : servo.touch + (share_ - 1) * (servo.squeezed - servo.touch);
     const double effort = servo.stiffness * (target - now) - servo.damping * rate;
     engine_->set_joint_force(servo.joint, std::clamp(effort, -servo.effort, servo.effort));

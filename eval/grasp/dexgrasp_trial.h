@@ -37,8 +37,11 @@ struct DexProtocol {
   double step = 0.002;  // s; ours, the benchmark's is 0.004 with implicit damping
   std::string engine = "mujoco";
   std::string solver;  // of the engine; empty: its first
-  /// Squeezed as hard as the motors can, in place of as hard as the plan says: ours.
-  bool full_effort = false;
+  /// Of the forces that squeeze over those that just bear the pull; pads press as planned.
+  double safety = 3;
+  /// All motors squeeze with the plan's share of what they can, in place of with forces that cancel
+  /// each other: as arms' cycles do, whose gears do not give way.
+  bool equal_efforts = false;
 };
 
 /// An object where it stands before it is grasped.

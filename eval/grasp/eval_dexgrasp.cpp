@@ -91,10 +91,12 @@ std::vector<NamedCase> cases_of(const std::deque<eval::DexHand>& hands,
 // What the cases' results depend on besides their names.
 std::string setting_of(const DexOptions& options) {
   const eval::DexChoice& choice = options.choice;
-  return fmt::format("engine {} {} seed {} grasps {} threads {} friction {} full {} robust {}",
-                     choice.protocol.engine, choice.protocol.solver, choice.seed, choice.grasps,
-                     choice.threads, choice.protocol.friction, choice.protocol.full_effort,
-                     choice.robust);
+  return fmt::format(
+      "engine {} {} seed {} grasps {} threads {} friction {} stiffness {} safety {} equal {} "
+      "robust {}",
+      choice.protocol.engine, choice.protocol.solver, choice.seed, choice.grasps, choice.threads,
+      choice.protocol.friction, choice.protocol.stiffness, choice.protocol.safety,
+      choice.protocol.equal_efforts, choice.robust);
 }
 
 // Refused before anything is planned.
@@ -171,7 +173,8 @@ void add_dex_options(CLI::App& app, DexOptions& options) {
   app.add_option("--engine", options.choice.protocol.engine,
                  "physics; it must do meshes and joints that follow others")
       ->capture_default_str();
-  app.add_option("--solver", options.choice.protocol.solver, "of the engine; default: its first");
+  app.add_option("--solver", options.choice.protocol.solver, "of the engine; empty: its first")
+      ->capture_default_str();
   app.add_option("--grasps", options.choice.grasps,
                  "tried of each plan, the best ones; 0: measures planning alone")
       ->check(CLI::Range(0, 10000))
@@ -179,8 +182,18 @@ void add_dex_options(CLI::App& app, DexOptions& options) {
   app.add_option("--friction", options.choice.protocol.friction, "of all there is")
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
-  app.add_flag("--full-effort", options.choice.protocol.full_effort,
-               "squeezes as hard as the motors can, not as hard as the plan says");
+  app.add_option("--stiffness", options.choice.protocol.stiffness,
+                 "of the fingers' position loops [N m/rad]")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  app.add_option("--safety", options.choice.protocol.safety,
+                 "of the fingers' forces that squeeze over those that just bear the pull")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  app.add_flag(
+      "--equal-efforts", options.choice.protocol.equal_efforts,
+      "fingers squeeze with the plan's share of what each motor can, not with forces that cancel "
+      "each other");
   app.add_flag("--rank-by-shape", options.rank_by_shape,
                "ranks grasps without the planner's trials of each in disturbed poses");
   app.add_option("--seed", options.choice.seed, "of candidates and of disturbed poses")
