@@ -62,8 +62,9 @@ class MujocoEngine : public Engine {
   std::vector<std::string> solvers() const override { return {"default", "noslip"}; }
 
   void load(const EngineScene& scene) override {
-    refuse_couplings(scene, "mujoco");
-    if (scene.pad_method == PadMethod::kTexelLaw) refuse_pads_and_couplings(scene, "mujoco");
+    if (scene.pad_method == PadMethod::kTexelLaw && !scene.pads.empty()) {
+      throw UnsupportedScene("mujoco: has no pads of its own");
+    }
     clear();
     scene_ = scene;
     const std::string xml = document();
@@ -219,7 +220,9 @@ class MujocoEngine : public Engine {
     write_children(-1, xml);
     xml << "</worldbody><contact>";
     write_pairs(xml);
-    xml << "</contact></mujoco>";
+    xml << "</contact><equality>";
+    write_couplings(xml);
+    xml << "</equality></mujoco>";
     return xml.str();
   }
 
@@ -249,6 +252,17 @@ class MujocoEngine : public Engine {
       write_texels(i, xml);
       write_children(i, xml);
       xml << "</body>";
+    }
+  }
+
+  // MuJoCo's constraints are springs: as stiff as they may be at this step.
+  void write_couplings(std::ostringstream& xml) const {
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const EngineJoint& joint = scene_.joints[j];
+      if (joint.follows < 0) continue;
+      xml << "<joint joint1=\"joint" << j << "\" joint2=\"joint" << joint.follows
+          << "\" polycoef=\"0 " << joint.ratio << " 0 0 0\" solref=\"" << 2 * scene_.step
+          << " 1\" solimp=\"0.9999 0.9999 0.001\"/>";
     }
   }
 
