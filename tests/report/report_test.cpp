@@ -42,7 +42,7 @@ TEST(CellMap, MapsStandSideBySideInOnePicture) {
   const CellMap wide{"wide", "", "", {"r"}, {"a", "b"}, {{}, {}}};
   const CellMap high{"high", "", "", {"r", "s"}, {"c"}, {{}, {}}};
   const std::string three = draw_cell_maps({wide, high, high}, 2);
-  EXPECT_THAT(three, HasSubstr("viewBox=\"0 0 496 222\""));
+  EXPECT_THAT(three, HasSubstr("viewBox=\"0 0 496 248\""));
   EXPECT_THAT(three, HasSubstr("translate(248 0)"));
   EXPECT_THAT(three, HasSubstr("translate(0 124)"));
   EXPECT_THAT(draw_cell_map(wide), HasSubstr("viewBox=\"0 0 248 98\""));
