@@ -94,7 +94,7 @@ void bind_scenes(py::module_& m) {
           },
           "height x width uint8, 255 where it is seen; a read-only view.")
       .def_readonly("touches_image_border", &ObjectHypothesis::touches_image_border,
-                    "Whether the image cuts it.")
+                    "Whether the image or max_height cuts it.")
       .def_readonly("occluded_share", &ObjectHypothesis::occluded_share,
                     "0..1 of its outline, that another object hides.")
       .def_readonly("may_be_several", &ObjectHypothesis::may_be_several,

@@ -13,13 +13,16 @@ namespace prehend::eval {
 enum class PlannedOn { kPredicted, kTruth, kDelaunay };
 const char* to_string(PlannedOn planned_on);
 
+/// The stage of a trial of which success was said, but is none.
+inline constexpr const char* kSaidUntruly = "truth";
+
 /// Planning and executing the grasps of one object by one setting of the planner.
 struct GraspTrial {
   std::string setting;  // of the planner; "predicted", "truth", "delaunay" for the defaults
   std::string problem;  // why nothing was executed
   std::string outcome;  // of the execution's first attempt, in words
   /// Where the first attempt ended that did not succeed: view, plan, arm (it has no motion), a
-  /// phase of the cycle, or truth (success was said, but is none); else empty.
+  /// phase of the cycle, or kSaidUntruly; else empty.
   std::string stage;
   int candidates = 0;               // of the plan
   int grasps = 0;                   // in the plan

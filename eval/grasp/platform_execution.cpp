@@ -67,7 +67,7 @@ void PlatformExecution::record(GraspTrial* trial) const {
   trial->lifted =
       result.success() && raised_ >= kRaisedAtLeast && end.height < kStands && !end.touches_robot;
   if (result.success() && !trial->lifted && stage_.empty()) {
-    trial->stage = "truth";
+    trial->stage = kSaidUntruly;
     trial->outcome = fmt::format(
         "success was said, but it was raised by {:.0f} mm and is {:.0f} mm over the table{}",
         1e3 * raised_, 1e3 * end.height, end.touches_robot ? ", at the robot" : "");

@@ -59,7 +59,7 @@ std::string completion_text(const msgs::CompletedShape& message) {
   }
   if (message.evidence().open_vessel())
     text += " It is an open vessel: its walls are seen from one side each.";
-  if (message.touches_image_border()) text += " The image's border cuts it.";
+  if (message.touches_image_border()) text += " The image's border or max_height cuts it.";
   if (message.occluded_share() > 0) {
     text += fmt::format(" Other objects hide it along {:.0f} % of its outline.",
                         100 * message.occluded_share());

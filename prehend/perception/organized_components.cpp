@@ -29,7 +29,44 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
+constexpr int kRound = 2;         // columns and rows that a point is judged by
+constexpr int kLeastToJudge = 8;  // of the 24 pixels round it must have a point
+constexpr int kLeastCompany = 2;  // of them are near to what is on a surface, be it a thread
+
+bool is_flying(const geometry::PointCloud& cloud, int index, double tolerance) {
+  const int u = index % cloud.width, v = index / cloud.width;
+  const Eigen::Vector3f& p = cloud.points[index];
+  const auto limit = static_cast<float>(tolerance * tolerance);
+  int known = 0, near = 0;
+  for (int y = std::max(0, v - kRound); y <= std::min(cloud.height - 1, v + kRound); ++y) {
+    for (int x = std::max(0, u - kRound); x <= std::min(cloud.width - 1, u + kRound); ++x) {
+      const Eigen::Vector3f& q = cloud.points[y * cloud.width + x];
+      if ((x == u && y == v) || !geometry::is_finite(q)) continue;
+      ++known;
+      near += (q - p).squaredNorm() <= limit;
+    }
+  }
+  return known >= kLeastToJudge && near < kLeastCompany;
+}
+
 }  // namespace
+
+std::vector<int> without_flying_points(const geometry::PointCloud& cloud,
+                                       const std::vector<int>& indices, double tolerance,
+                                       double focal_length) {
+  if (!cloud.organized()) {
+    throw std::invalid_argument("without_flying_points: the cloud is not organized");
+  }
+  if (!(tolerance > 0)) {
+    throw std::invalid_argument("without_flying_points: tolerance must be positive");
+  }
+  std::vector<int> kept;
+  for (const int i : indices) {
+    const double pixel = static_cast<double>(cloud.points[i].z()) / focal_length;
+    if (!is_flying(cloud, i, tolerance + 2 * pixel)) kept.push_back(i);
+  }
+  return kept;
+}
 
 std::vector<std::vector<int>> organized_components(const geometry::PointCloud& cloud,
                                                    const std::vector<int>& indices,

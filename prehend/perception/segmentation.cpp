@@ -61,8 +61,8 @@ double least_height(const Table& table, const SegmentationOptions& options) {
 // Of the noise at a depth [m], to that at 1 m and nearer.
 double noise_growth(double depth) { return std::clamp(depth * depth, 1.0, 4.0); }
 
-std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table,
-                                   const SegmentationOptions& options) {
+std::vector<int> points_over_table(const PointCloud& cloud_C, const geometry::PinholeCamera& camera,
+                                   const Table& table, const SegmentationOptions& options) {
   std::vector<Eigen::Vector3f> corners;
   for (const Eigen::Vector3d& p : table.hull_C) corners.push_back(p.cast<float>());
   const PlaneOutline outline(table.plane_C, corners);
@@ -77,7 +77,28 @@ std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table
       indices.push_back(static_cast<int>(i));
     }
   }
+  // They would bridge what stands apart.
+  if (cloud_C.organized()) {
+    return without_flying_points(cloud_C, indices, options.cluster_tolerance, camera.fx);
+  }
   return indices;
+}
+
+// Higher ones are dropped: what is there may go on.
+bool is_at_max_height(const Eigen::Vector3d& p_C, const Table& table,
+                      const SegmentationOptions& options) {
+  constexpr double kStrip = 0.01;  // m
+  return table.plane_C.signed_distance(p_C) > options.max_height - kStrip;
+}
+
+// A hundredth of the points of an object that goes on over max_height, at least.
+bool is_cut_above(const PointCloud& cloud_C, const std::vector<int>& members, const Table& table,
+                  const SegmentationOptions& options) {
+  std::size_t at_top = 0;
+  for (const int i : members) {
+    at_top += is_at_max_height(cloud_C.points[i].cast<double>(), table, options);
+  }
+  return at_top > 0 && 100 * at_top >= members.size();
 }
 
 // Clusters of the points over the table: voxels and which of them are together.
@@ -154,7 +175,7 @@ class ObjectFinder {
 
   FoundObjects find() {
     const ClusteredVoxels voxels =
-        cluster(cloud_C_, points_over_table(cloud_C_, table_, options_), options_);
+        cluster(cloud_C_, points_over_table(cloud_C_, camera_, table_, options_), options_);
     std::vector<char> is_cut;
     for (const std::vector<int>& of_cluster : voxels.clusters) {
       is_cut.push_back(goes_on(members_of(voxels, of_cluster)));
@@ -214,7 +235,7 @@ class ObjectFinder {
     std::size_t at_border = 0;
     for (const int i : members) {
       const Eigen::Vector3d p = cloud_C_.points[i].cast<double>();
-      bool is_border = table_.plane_C.signed_distance(p) > options_.max_height - kStrip ||
+      bool is_border = is_at_max_height(p, table_, options_) ||
                        !outline.contains(p, options_.hull_margin - kStrip);
       if (cloud_C_.organized()) {
         const int u = i % cloud_C_.width, v = i / cloud_C_.width;
@@ -446,7 +467,8 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
     object.id = static_cast<int>(k);
     object.cloud_W = geometry::transformed(geometry::select(cloud_C, members[k]), scene.X_WC);
     object.mask = std::move(images.masks[k]);
-    object.touches_image_border = touches_border(object.mask, area, margin);
+    object.touches_image_border = touches_border(object.mask, area, margin) ||
+                                  is_cut_above(cloud_C, members[k], table, options);
     object.may_be_several = found.objects[k].may_be_several;
     scene.objects.push_back(std::move(object));
   }

@@ -60,12 +60,13 @@ struct SegmentationOptions {
   BodyEvidence body_evidence;  // kShapes: shape::log_odds_of_one_body
 };
 
-/// The objects that stand on `table`: points over its convex outline, voxel grid,
-/// Euclidean clusters, parts of one object joined, one mask each. Organized clouds give masks by
-/// pixel membership, others by projecting splats with a depth test; small holes are closed. Largest
-/// object (points) first, ids 0, 1, ... in that order. Objects cut by the image or hidden in part
-/// by another one are marked so; one that stands on another has that one's top as its support. What
-/// is no object is in `dropped` with the reason; no object is not an error: `objects` is empty.
+/// The objects that stand on `table`: points over its convex outline, of organized clouds without
+/// flying ones (organized_components.h), voxel grid, Euclidean clusters, parts of one object
+/// joined, one mask each. Organized clouds give masks by pixel membership, others by projecting
+/// splats with a depth test; small holes are closed. Largest object (points) first, ids 0, 1, ...
+/// in that order. Objects cut by the image or by max_height, or hidden in part by another one are
+/// marked so; one that stands on another has that one's top as its support. What is no object is in
+/// `dropped` with the reason; no object is not an error: `objects` is empty.
 /// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.
 /// @param X_WC pose of the camera in the world. Without it the world is made from the table:
 ///   z = table normal, x = the camera's x projected into the table, origin = centroid of the

@@ -17,6 +17,8 @@ struct ObjectHypothesis {
   int id = 0;
   geometry::PointCloud cloud_W;  // seen points, world frame, finite only
   geometry::MaskImage mask;      // of the whole camera image; 255 where the object is seen
+  /// The image's border cuts it, or SegmentationOptions::max_height does: it goes on where nobody
+  /// looked.
   bool touches_image_border = false;
   /// Share of the mask's outline along which another object stands right before this one, 0..1: it
   /// goes on behind that.

@@ -1,5 +1,7 @@
 #include "prehend/report/cell_map.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -31,9 +33,18 @@ std::string text_at(int x, int y, const char* anchor, const std::string& text) {
                      escaped(text));
 }
 
-}  // namespace
+// Of one map, in pixels.
+struct Size {
+  int width = 0, height = 0;
+};
 
-std::string draw_cell_map(const CellMap& map) {
+Size size_of(const CellMap& map) {
+  return {kLeft + static_cast<int>(map.columns.size()) * kCellWidth + kMargin,
+          kTop + static_cast<int>(map.rows.size()) * kCellHeight + kMargin};
+}
+
+// Title, labels and cells, without the element around them.
+std::string contents(const CellMap& map) {
   if (map.cells.size() != map.rows.size() * map.columns.size()) {
     throw std::invalid_argument(fmt::format("CellMap '{}' has {} cells for {} rows and {} columns",
                                             map.title, map.cells.size(), map.rows.size(),
@@ -41,14 +52,7 @@ std::string draw_cell_map(const CellMap& map) {
   }
   const int columns = static_cast<int>(map.columns.size()),
             rows = static_cast<int>(map.rows.size());
-  const int width = kLeft + columns * kCellWidth + kMargin;
-  const int height = kTop + rows * kCellHeight + kMargin;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
-      "viewBox=\"0 0 {0} {1}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\">\n",
-      width, height);
-  svg += fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"white\"/>\n", width, height);
-  svg += text_at(kMargin, 16, "start", map.title);
+  std::string svg = text_at(kMargin, 16, "start", map.title);
   svg += text_at(kLeft + columns * kCellWidth / 2, 36, "middle", map.column_label);
   svg += text_at(kLeft - 8, kTop - 8, "end", map.row_label);
   for (int c = 0; c < columns; ++c) {
@@ -68,7 +72,35 @@ std::string draw_cell_map(const CellMap& map) {
       svg += text_at(x + kCellWidth / 2, y + 17, "middle", cell.text) + "</g>\n";
     }
   }
-  return svg + "</svg>\n";
+  return svg;
+}
+
+}  // namespace
+
+std::string draw_cell_map(const CellMap& map) { return draw_cell_maps({map}, 1); }
+
+std::string draw_cell_maps(const std::vector<CellMap>& maps, int columns) {
+  if (columns < 1) throw std::invalid_argument("draw_cell_maps: columns must be positive");
+  int width = 0, height = 0, column_width = 0;
+  for (const CellMap& map : maps) column_width = std::max(column_width, size_of(map).width);
+  std::string inside;
+  for (std::size_t first = 0; first < maps.size(); first += static_cast<std::size_t>(columns)) {
+    int row_height = 0, x = 0;
+    for (std::size_t i = first; i < maps.size() && i < first + static_cast<std::size_t>(columns);
+         ++i) {
+      inside +=
+          fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", x, height, contents(maps[i]));
+      row_height = std::max(row_height, size_of(maps[i]).height);
+      x += column_width;
+    }
+    width = std::max(width, x);
+    height += row_height;
+  }
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
+      "viewBox=\"0 0 {0} {1}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\">\n"
+      "<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n{2}</svg>\n",
+      width, height, inside);
 }
 
 }  // namespace prehend::report

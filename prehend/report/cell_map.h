@@ -23,4 +23,8 @@ struct CellMap {
 /// column.
 std::string draw_cell_map(const CellMap& map);
 
+/// Several as one SVG element, side by side in so many columns, row by row. The same throws, and
+/// for columns < 1.
+std::string draw_cell_maps(const std::vector<CellMap>& maps, int columns);
+
 }  // namespace prehend::report

@@ -1,5 +1,6 @@
 // Organized components against PCL's Euclidean clusters, and splitting of what touches.
 
+#include <limits>
 #include <numeric>
 #include <random>
 #include <set>
@@ -74,6 +75,55 @@ TEST(OrganizedComponents, BridgesSmallHolesOnly) {
   EXPECT_THROW(organized_components(cloud, indices, 0.02, 0, 1), std::invalid_argument);
   cloud.width = cloud.height = 0;
   EXPECT_THROW(organized_components(cloud, indices, 0.02, 1, 1), std::invalid_argument);
+}
+
+// A wall at 1 m, before which a point, a thread and a square of nine pixels are seen.
+TEST(FlyingPoints, AreThoseWithoutCompany) {
+  geometry::PointCloud cloud;
+  cloud.width = cloud.height = 40;
+  const auto near = [](int u, int v) {
+    return (u == 5 && v == 5) || u == 20 || (u >= 30 && u < 33 && v >= 30 && v < 33);
+  };
+  std::vector<int> all, expected;
+  for (int i = 0; i < 1600; ++i) {
+    const int u = i % 40, v = i / 40;
+    const float z = near(u, v) ? 0.8F : 1.0F;
+    cloud.points.emplace_back(0.002F * static_cast<float>(u) * z,
+                              0.002F * static_cast<float>(v) * z, z);
+    all.push_back(i);
+    if (u != 5 || v != 5) expected.push_back(i);
+  }
+  EXPECT_EQ(without_flying_points(cloud, all, 0.02, 500), expected);
+  EXPECT_EQ(without_flying_points(cloud, all, 0.3, 500), all) << "as near as the wall";
+  // With few others round it nobody can tell.
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 1600; ++i) {
+    if (i % 40 < 10 && i != 5 * 40 + 5) cloud.points[i] = {nothing, nothing, nothing};
+  }
+  EXPECT_EQ(without_flying_points(cloud, {5 * 40 + 5}, 0.02, 500).size(), 1U);
+  EXPECT_TRUE(without_flying_points(cloud, {}, 0.02, 500).empty());
+  EXPECT_THROW(without_flying_points(cloud, {}, 0, 500), std::invalid_argument);
+  cloud.width = cloud.height = 0;
+  EXPECT_THROW(without_flying_points(cloud, {}, 0.02, 500), std::invalid_argument);
+}
+
+// One pixel in twenty of a picture has 0.5 to 1.5 times its depth; once all of the air over the
+// table was one object with the box.
+TEST(FlyingPoints, LeaveTheObjectAsItIs) {
+  testing::SyntheticView view;
+  view.boxes = {testing::table_top(), standing_box(0, 0, {0.06, 0.08, 0.12})};
+  geometry::PointCloud cloud = testing::render(view);
+  std::mt19937_64 random(3);
+  for (Eigen::Vector3f& p : cloud.points) {
+    if (random() % 20 == 0) p *= 0.5F + static_cast<float>(random() % 1000) / 1000;
+  }
+  const SegmentedScene scene = segment(cloud, view.camera, view.X_WC);
+  ASSERT_FALSE(scene.objects.empty());
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : scene.objects.front().cloud_W.points) box.extend(p);
+  EXPECT_LT(box.sizes().x(), 0.06 + 0.04);
+  EXPECT_LT(box.sizes().y(), 0.08 + 0.04);
+  EXPECT_NEAR(box.max().z(), 0.12, 0.02);
 }
 
 // A view of boxes on a table at a resolution where creases can be seen; colours by box.

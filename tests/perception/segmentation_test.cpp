@@ -206,6 +206,23 @@ TEST(Segment, ObjectAtTheBorderIsMarked) {
   EXPECT_TRUE(scene.objects[0].touches_image_border);
 }
 
+// A tower of 0.5 m is seen whole; what is over 0.45 m is dropped, so that its mesh would be too
+// low.
+TEST(Segment, WhatGoesOnOverMaxHeightIsMarkedAsCut) {
+  testing::SyntheticView view;
+  view.X_WC = geometry::look_at({0, -1.6, 1.2}, {0, 0, 0.2});
+  view.boxes = {table_top(), standing_box(0, 0, {0.1, 0.1, 0.5})};
+  const geometry::PointCloud cloud = testing::render(view);
+  SegmentationOptions options;
+  const SegmentedScene cut = segment(cloud, view.camera, view.X_WC, options);
+  ASSERT_EQ(cut.objects.size(), 1U);
+  EXPECT_TRUE(cut.objects[0].touches_image_border);
+  options.max_height = 0.6;
+  const SegmentedScene whole = segment(cloud, view.camera, view.X_WC, options);
+  ASSERT_EQ(whole.objects.size(), 1U);
+  EXPECT_FALSE(whole.objects[0].touches_image_border);
+}
+
 TEST(Segment, LeavesOutWhatIsBesideTheTableOrTooFar) {
   SyntheticView view;
   view.boxes = {table_top(0.6, 0.5), standing_box(0, 0, {0.08, 0.08, 0.12}),

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "prehend/report/cell_map.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/film.h"
 #include "prehend/report/front_chart.h"
@@ -35,6 +36,19 @@ TEST(Page, EscapesTextAndHoldsItsPictures) {
   EXPECT_THAT(page.html(), HasSubstr("<td>b</td><td>2</td>"));
   EXPECT_THROW(page.add_table({"one"}, {{"1", "2"}}), std::invalid_argument);
   EXPECT_THROW(page.add_pictures({}, {"no picture"}), std::invalid_argument);
+}
+
+// Of 90 + 74 n + 10 by 62 + 26 m + 10 pixels each: the wider of a column, the higher of a row.
+TEST(CellMap, MapsStandSideBySideInOnePicture) {
+  const CellMap wide{"wide", "", "", {"r"}, {"a", "b"}, {{}, {}}};
+  const CellMap high{"high", "", "", {"r", "s"}, {"c"}, {{}, {}}};
+  const std::string three = draw_cell_maps({wide, high, high}, 2);
+  EXPECT_THAT(three, HasSubstr("viewBox=\"0 0 496 248\""));
+  EXPECT_THAT(three, HasSubstr("translate(248 0)"));
+  EXPECT_THAT(three, HasSubstr("translate(0 124)"));
+  EXPECT_THAT(draw_cell_map(wide), HasSubstr("viewBox=\"0 0 248 98\""));
+  EXPECT_THROW(draw_cell_maps({wide}, 0), std::invalid_argument);
+  EXPECT_THROW(draw_cell_map({"no cell", "", "", {"r"}, {"c"}, {}}), std::invalid_argument);
 }
 
 TEST(Page, SaysWhichFileCannotBeWritten) {
