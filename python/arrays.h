@@ -81,5 +81,6 @@ void bind_recordings(py::module_& module);
 void bind_graph(py::module_& module);
 void bind_world(py::module_& module);
 void bind_beliefs(py::module_& module);
+void bind_chains(py::module_& module);
 
 }  // namespace prehend::python

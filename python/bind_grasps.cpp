@@ -2,10 +2,12 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/grasp/planner_options.h"
 #include "prehend/robot/hand_model.h"
 #include "python/arrays.h"
+#include "python/bound_types.h"
 
 namespace prehend::python {
 namespace {
@@ -15,16 +17,33 @@ using grasp::Grasp;
 using grasp::GraspPlan;
 using grasp::Rejection;
 
+void apply(const Chain& chain, const robot::HandModel& hand, double budget,
+           grasp::PlannerOptions* options) {
+  if (budget > 0) {
+    throw geometry::InputError("budget is given beside a chain, which has one of its own",
+                               "Leave one of them out");
+  }
+  if (chain.hand != hand.name) {
+    throw geometry::InputError(
+        "The chain was chosen for the hand " + chain.hand + ", and the hand is " + hand.name,
+        "Choose one for it: prehend.chain(hand, ...)");
+  }
+  const fidelity::ChosenChain& chosen = chain.chosen;
+  fidelity::apply_plan_front(chosen.front, chosen.budget, chosen.tolerance, options);
+}
+
 GraspPlan plan(const surface::ObjectModel& object, const robot::HandModel& hand,
                const std::pair<Eigen::Vector3d, double>& table,
                const std::vector<TriangleMesh>& obstacles,
-               const std::optional<Eigen::Vector3d>& approach, double budget, std::uint64_t seed) {
+               const std::optional<Eigen::Vector3d>& approach, double budget, std::uint64_t seed,
+               const std::optional<Chain>& chain) {
   if (!(budget >= 0)) throw py::value_error("budget is seconds, 0: none");
   if (!(std::abs(table.first.norm() - 1) < 1e-6)) {
     throw py::value_error("the table's normal is no unit vector");
   }
   grasp::PlannerOptions options = grasp::default_options(hand);
   options.budget = budget;
+  if (chain) apply(*chain, hand, budget, &options);
   options.candidates.seed = options.uncertainty.seed = seed;
   grasp::Reachability reachability;
   if (approach) reachability.approach_W = *approach;
@@ -80,9 +99,10 @@ void bind_grasps(py::module_& m) {
         py::arg("table") = std::pair(Eigen::Vector3d(0, 0, 1), 0.0),
         py::arg("obstacles") = std::vector<TriangleMesh>(),
         py::arg("approach_direction") = py::none(), py::arg("budget") = 0.0, py::arg("seed") = 1,
+        py::arg("chain") = py::none(),
         "Plans grasps of an ObjectModel with a Hand. table: (normal, offset [m]); obstacles: "
         "meshes; approach_direction: 3 numbers, the only one that is tried; budget: seconds, 0: "
-        "none. Same input and seed, same plan, unless there is a budget.");
+        "none; chain: a Chain of that hand in its place. Same input and seed, same plan, unless there is a budget.");
 }
 
 }  // namespace prehend::python

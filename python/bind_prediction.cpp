@@ -3,6 +3,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "prehend/fidelity/chain_settings.h"
+#include "prehend/fidelity/shape_settings.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/recorded_cloud.h"
@@ -28,7 +30,15 @@ using surface::ObjectModel;
 struct Scene {
   SegmentedScene segmented;
   std::vector<std::string> notes;
+  std::optional<Chain> chain;  // that it was seen by
 };
+
+fidelity::ShapeOptions shape_options(const std::optional<Chain>& chain) {
+  if (!chain) return {};
+  const fidelity::ChosenChain& chosen = chain->chosen;
+  return fidelity::shape_options(
+      fidelity::stage_setting(chosen.front, chosen.setting, fidelity::Stage::kShape));
+}
 
 perception::Splitting splitting_named(const std::string& name) {
   if (const auto found = perception::splitting_named(name)) return *found;
@@ -37,7 +47,7 @@ perception::Splitting splitting_named(const std::string& name) {
 
 Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& viewpoint,
               const std::optional<Eigen::Vector3d>& up, const std::string& table, double scale,
-              const std::string& split, double min_height) {
+              const std::string& split, double min_height, const std::optional<Chain>& chain) {
   perception::RecordedCloudOptions options =
       perception::read_recorded_cloud_options(scale, "", "", table);
   if (viewpoint) options.viewpoint = read_pose(*viewpoint, "viewpoint");
@@ -46,6 +56,12 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   segmentation.split = splitting_named(split);
   segmentation.min_height = min_height;
   segmentation.body_evidence = shape::log_odds_of_one_body;
+  if (chain) {
+    const fidelity::ChosenChain& chosen = chain->chosen;
+    fidelity::apply_seeing_setting(
+        fidelity::stage_setting(chosen.front, chosen.setting, fidelity::Stage::kSeeing),
+        &segmentation);
+  }
   py::gil_scoped_release free;
   geometry::CloudFile file;
   file.cloud = cloud;
@@ -53,17 +69,22 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   if ((split == "touching" || split == "shapes") && !recorded.cloud_C.organized()) {
     throw geometry::InputError("split='" + split + "' needs an organized cloud", "Leave it away");
   }
-  return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes};
+  return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes, chain};
 }
 
 std::vector<Completion> complete(const Scene& scene, int alternatives, bool other_methods) {
-  shape::CompletionOptions options;
-  options.alternatives = alternatives;
+  shape::CompletionOptions options = shape_options(scene.chain).completion;
+  if (scene.chain && alternatives > 0) {
+    throw geometry::InputError("alternatives are chosen by the chain that the scene was seen by",
+                               "Leave them away, or segment without chain=");
+  }
+  if (!scene.chain) options.alternatives = alternatives;
   options.other_methods = other_methods;
   std::vector<Completion> completions;
   std::vector<shape::SceneShape> shapes = shape::complete_scene(scene.segmented, options);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     Completion& one = completions.emplace_back();
+    one.chain = scene.chain;
     one.support_W = support_of(scene.segmented, scene.segmented.objects[k]);
     if (!shapes[k].error) {
       one.shape = std::move(shapes[k].shape);
@@ -130,6 +151,7 @@ void bind_scenes(py::module_& m) {
           "dropped", [](const Scene& s) { return s.segmented.dropped; },
           "What is over the table and no object, with the reason.")
       .def_readonly("notes", &Scene::notes, "What was assumed of the cloud, in words.")
+      .def_readonly("chain", &Scene::chain, "The Chain that it was seen by; None: the defaults.")
       .def("complete", &complete, py::arg("alternatives") = 0, py::arg("other_methods") = false,
            py::call_guard<py::gil_scoped_release>(),
            "Predicts what was not seen of every object, by symmetry scored against visibility; a "
@@ -138,11 +160,12 @@ void bind_scenes(py::module_& m) {
   m.def(
       "segment", &segment, py::arg("cloud"), py::kw_only(), py::arg("viewpoint") = py::none(),
       py::arg("up") = py::none(), py::arg("table") = "auto", py::arg("scale") = 1.0,
-      py::arg("split") = "tops", py::arg("min_height") = 0.0,
+      py::arg("split") = "tops", py::arg("min_height") = 0.0, py::arg("chain") = py::none(),
       "Finds table and objects of a recorded cloud. viewpoint: 4 x 4, the camera's optical frame "
       "in the cloud's; up: 3 numbers; table: auto, find, none or 'a b c d' [m]; scale: metres per "
-      "unit; split: none, tops, touching, shapes; min_height [m], 0: by the table's noise. Raises "
-      "InputError where there is no table.");
+      "unit; split: none, tops, touching, shapes; min_height [m], 0: by the table's noise; chain: "
+      "a Chain, which all that is made of the scene is made by. Raises InputError where there is no "
+      "table.");
 }
 
 void bind_completions(py::module_& m) {
@@ -184,7 +207,9 @@ void bind_completions(py::module_& m) {
           "(normal, offset [m]) of the plane of symmetry; of other methods a nominal one.")
       .def(
           "model",
-          [](const Completion& c) { return surface::make_object_model(c.get(), c.support_W); },
+          [](const Completion& c) {
+            return surface::make_object_model(c.get(), c.support_W, shape_options(c.chain).model);
+          },
           py::call_guard<py::gil_scoped_release>(),
           "The watertight solid: Poisson surface, convex pieces, what each vertex rests on.");
   py::enum_<surface::SurfaceOrigin>(m, "SurfaceOrigin", "What a place of the surface rests on.")

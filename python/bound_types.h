@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 
+#include "prehend/fidelity/chosen_chain.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/plane.h"
 #include "prehend/robot/inverse_kinematics.h"
@@ -15,8 +17,15 @@
 // What several parts of the module bind.
 namespace prehend::python {
 
+/// prehend.Chain: how all stages work, and for which hand that was chosen.
+struct Chain {
+  fidelity::ChosenChain chosen;
+  std::string hand;
+};
+
 /// prehend.Completion: a completion, or why there is none.
 struct Completion {
+  std::optional<Chain> chain;  // that it was made by
   shape::CompletedShape shape;
   geometry::Plane support_W;
   std::string problem;

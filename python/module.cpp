@@ -28,8 +28,9 @@ PYBIND11_MODULE(_prehend, module) {
   // A kind of ValueError, so that who expects one of bad input gets one.
   py::register_exception<prehend::geometry::InputError>(module, "InputError", PyExc_ValueError);
   bind_geometry(module);
-  bind_prediction(module);
   bind_robots(module);
+  bind_chains(module);
+  bind_prediction(module);
   bind_grasps(module);
   bind_recordings(module);
   bind_graph(module);

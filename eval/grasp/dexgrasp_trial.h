@@ -36,7 +36,8 @@ struct DexProtocol {
   double slide_stiffness = 2e4;            // N/m, the same of jaws: ours
   double step = 0.002;  // s; ours, the benchmark's is 0.004 with implicit damping
   std::string engine = "mujoco";
-  std::string solver;  // of the engine; empty: its first
+  /// Of the engine; empty: its first. MuJoCo's first lets what is held creep under a steady load.
+  std::string solver = "noslip";
   /// Of the forces that squeeze over those that just bear the pull; pads press as planned.
   double safety = 3;
   /// All motors squeeze with the plan's share of what they can, in place of with forces that cancel

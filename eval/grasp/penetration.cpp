@@ -3,48 +3,72 @@
 #include <algorithm>
 #include <limits>
 
+#include "prehend/motion/fcl_checker.h"
+
 namespace prehend::eval {
 namespace {
 
 constexpr double kNoNormal = 1e-14;  // m^2, of a triangle without a plane
 
+// The shortest way along one of a's normals that takes b's vertices out of a; all in one frame.
+double way_out(const Eigen::Matrix3Xd& normals_a, const Eigen::Matrix3Xd& vertices_a,
+               const Eigen::Matrix3Xd& vertices_b) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < normals_a.cols(); ++i) {
+    const Eigen::RowVector3d normal = normals_a.col(i).transpose();
+    const double way =
+        (normal * vertices_a).maxCoeff() - (normal * vertices_b).minCoeff();
+    if (way <= 0) return 0;
+    shortest = std::min(shortest, way);
+  }
+  return shortest;
+}
+
+Eigen::Matrix3Xd columns(const std::vector<Eigen::Vector3d>& vectors) {
+  return Eigen::Map<const Eigen::Matrix3Xd>(vectors.front().data(), 3,
+                                            static_cast<Eigen::Index>(vectors.size()));
+}
+
 }  // namespace
 
 ConvexSolids::ConvexSolids(const std::vector<geometry::TriangleMesh>& pieces) {
   for (const geometry::TriangleMesh& mesh : pieces) {
-    Piece& piece = pieces_.emplace_back();
-    piece.bounds = geometry::bounds(mesh);
-    bounds_.extend(piece.bounds);
+    std::vector<Eigen::Vector3d> normals;
     for (const Eigen::Vector3i& t : mesh.triangles) {
       const Eigen::Vector3d& a = mesh.vertices[t[0]];
       const Eigen::Vector3d normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
-      if (normal.norm() > kNoNormal) piece.faces.emplace_back(normal.normalized(), a);
+      if (normal.norm() > kNoNormal) normals.push_back(normal.normalized());
     }
-    vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
+    if (normals.empty()) continue;
+    motion::ConvexBody body;
+    body.kind = motion::ConvexBody::Kind::kPoints;
+    body.points = std::make_shared<const std::vector<Eigen::Vector3d>>(mesh.vertices);
+    pieces_.push_back({geometry::bounds(mesh), columns(mesh.vertices), columns(normals),
+                       motion::FclChecker().body(body)});
+    bounds_.extend(pieces_.back().bounds);
   }
-}
-
-double ConvexSolids::depth(const Eigen::Vector3d& point) const {
-  double deepest = 0;
-  if (!bounds_.contains(point)) return deepest;
-  for (const Piece& piece : pieces_) {
-    if (!piece.bounds.contains(point)) continue;
-    double depth = std::numeric_limits<double>::infinity();
-    for (const auto& face : piece.faces) {
-      depth = std::min(depth, -face.signedDistance(point));
-      if (depth <= deepest) break;
-    }
-    deepest = std::max(deepest, depth);
-  }
-  return deepest;
 }
 
 double penetration(const ConvexSolids& a, const ConvexSolids& b,
                    const geometry::RigidTransform& X_AB) {
-  const geometry::RigidTransform X_BA = X_AB.inverse(Eigen::Isometry);
+  const motion::FclChecker checker;
   double deepest = 0;
-  for (const Eigen::Vector3d& p_B : b.vertices()) deepest = std::max(deepest, a.depth(X_AB * p_B));
-  for (const Eigen::Vector3d& p_A : a.vertices()) deepest = std::max(deepest, b.depth(X_BA * p_A));
+  for (const ConvexSolids::Piece& of_b : b.pieces_) {
+    const Eigen::Matrix3Xd vertices_A = X_AB * of_b.vertices;
+    const Eigen::Matrix3Xd normals_A = X_AB.linear() * of_b.normals;
+    const Eigen::AlignedBox3d bounds_A(vertices_A.rowwise().minCoeff(),
+                                       vertices_A.rowwise().maxCoeff());
+    for (const ConvexSolids::Piece& of_a : a.pieces_) {
+      if (!of_a.bounds.intersects(bounds_A)) continue;
+      const double depth = std::min(way_out(of_a.normals, of_a.vertices, vertices_A),
+                                    way_out(normals_A, vertices_A, of_a.vertices));
+      // Pieces may be apart across edges of both, where no face's normal tells.
+      if (depth > deepest && checker.are_nearer(*of_a.body, geometry::RigidTransform::Identity(),
+                                                *of_b.body, X_AB, 0)) {
+        deepest = depth;
+      }
+    }
+  }
   return deepest;
 }
 

@@ -1,33 +1,39 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include <Eigen/Geometry>
+
+#include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/motion/collision_checker.h"
 
 namespace prehend::eval {
 
-/// Closed convex meshes in one frame, by their faces' planes, to be asked how deep points are.
+/// Closed convex meshes in one frame, to be asked how deep others are in them; flat ones are none.
 class ConvexSolids {
  public:
   explicit ConvexSolids(const std::vector<geometry::TriangleMesh>& pieces);
 
-  /// How far `point` is from leaving the piece it is deepest in [m]; 0 outside of all.
-  double depth(const Eigen::Vector3d& point) const;
-  const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
 
  private:
+  friend double penetration(const ConvexSolids& a, const ConvexSolids& b,
+                            const geometry::RigidTransform& X_AB);
   struct Piece {
     Eigen::AlignedBox3d bounds;
-    std::vector<Eigen::Hyperplane<double, 3>> faces;  // normals outward
+    Eigen::Matrix3Xd vertices, normals;  // of faces, unit, outward
+    std::shared_ptr<const motion::CheckedBody> body;
   };
   std::vector<Piece> pieces_;
-  std::vector<Eigen::Vector3d> vertices_;
   Eigen::AlignedBox3d bounds_;
 };
 
-/// How deep two solids are in one another [m]: the deepest vertex of either within a piece of the
-/// other, `b` in the frame of `a` by X_AB. Edges that cross without a vertex inside are not seen.
+/// How deep two solids are in one another [m], `b` in the frame of `a` by X_AB: of the pairs of
+/// pieces that overlap, the largest of the shortest ways along a face's normal of either piece that
+/// part them. Not less than the shortest way in any direction, and the same but where that is along
+/// no face's normal. 0: they are apart.
 double penetration(const ConvexSolids& a, const ConvexSolids& b,
                    const geometry::RigidTransform& X_AB);
 

@@ -12,6 +12,7 @@
 #include "prehend/perception/masks.h"
 #include "prehend/perception/mean_color.h"
 #include "prehend/perception/organized_components.h"
+#include "prehend/perception/points_over_table.h"
 #include "prehend/perception/supports.h"
 #include "prehend/text/require.h"
 #include "prehend/text/told_apart.h"
@@ -49,39 +50,6 @@ void check_options(const SegmentationOptions& o) {
           "parts must not have negative lengths");
   require(o.parts.most_hue_difference >= 0 && o.parts.most_color_difference >= 0,
           "parts must not have negative differences");
-}
-
-// As high as the noise of a table's points reaches.
-double least_height(const Table& table, const SegmentationOptions& options) {
-  constexpr double kDeviations = 3.5;
-  if (options.min_height > 0) return options.min_height;
-  return std::clamp(kDeviations * table.rms, 0.004, 0.008);
-}
-
-// Of the noise at a depth [m], to that at 1 m and nearer.
-double noise_growth(double depth) { return std::clamp(depth * depth, 1.0, 4.0); }
-
-std::vector<int> points_over_table(const PointCloud& cloud_C, const geometry::PinholeCamera& camera,
-                                   const Table& table, const SegmentationOptions& options) {
-  std::vector<Eigen::Vector3f> corners;
-  for (const Eigen::Vector3d& p : table.hull_C) corners.push_back(p.cast<float>());
-  const PlaneOutline outline(table.plane_C, corners);
-  const double min_height = least_height(table, options);
-  std::vector<int> indices;
-  for (std::size_t i = 0; i < cloud_C.size(); ++i) {
-    if (!geometry::is_finite(cloud_C.points[i])) continue;
-    const Eigen::Vector3d p = cloud_C.points[i].cast<double>();
-    const double height = table.plane_C.signed_distance(p);
-    if (height >= min_height * noise_growth(p.z()) && height <= options.max_height &&
-        p.norm() <= options.max_distance && outline.contains(p, options.hull_margin)) {
-      indices.push_back(static_cast<int>(i));
-    }
-  }
-  // They would bridge what stands apart.
-  if (cloud_C.organized()) {
-    return without_flying_points(cloud_C, indices, options.cluster_tolerance, camera.fx);
-  }
-  return indices;
 }
 
 // Higher ones are dropped: what is there may go on.
@@ -164,6 +132,7 @@ struct FoundObjects {
   };
   std::vector<LedgePart> objects;  // largest first
   std::vector<Dropped> dropped;    // likewise
+  PointsLeftOut left_out;
 };
 
 // Tells objects from what is none.
@@ -174,8 +143,9 @@ class ObjectFinder {
       : cloud_C_(cloud_C), camera_(camera), table_(table), options_(options) {}
 
   FoundObjects find() {
-    const ClusteredVoxels voxels =
-        cluster(cloud_C_, points_over_table(cloud_C_, camera_, table_, options_), options_);
+    const PointsOverTable points = points_over_table(cloud_C_, camera_, table_, options_);
+    found_.left_out = points.left_out;
+    const ClusteredVoxels voxels = cluster(cloud_C_, points.indices, options_);
     std::vector<char> is_cut;
     for (const std::vector<int>& of_cluster : voxels.clusters) {
       is_cut.push_back(goes_on(members_of(voxels, of_cluster)));
@@ -454,6 +424,7 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
 
   SegmentedScene scene;
   scene.camera = camera;
+  scene.left_out = found.left_out;
   scene.X_WC = X_WC ? *X_WC : world_from_table(table.plane_C, anchor_of(cloud_C, members, table));
   scene.depth = std::move(images.depth);
   scene.table_W = transformed(table.plane_C, scene.X_WC);

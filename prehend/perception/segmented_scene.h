@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,17 @@ struct ObjectHypothesis {
   geometry::DepthImage nearer;
 };
 
+/// Points of a view that were not clustered, and why: the first that applies.
+struct PointsLeftOut {
+  std::size_t not_finite = 0;
+  std::size_t low = 0;              // of the table, or under its plane
+  std::size_t over_max_height = 0;  // SegmentationOptions::max_height
+  std::size_t too_far = 0;          // max_distance
+  std::size_t beside_table = 0;     // hull_margin beyond its outline
+  std::size_t flying = 0;           // of organized clouds, without_flying_points()
+  double least_height = 0;          // m: lower ones are the table's, at 1 m and nearer
+};
+
 /// What segmentation makes of one view: a table and the objects on it.
 struct SegmentedScene {
   geometry::PinholeCamera camera;         // real, or virtual for unorganized clouds
@@ -43,6 +55,7 @@ struct SegmentedScene {
   /// What was seen over the table and is no object, largest first: its size, where [m, world], why,
   /// and the option that decides.
   std::vector<std::string> dropped;
+  PointsLeftOut left_out;  // all 0 of one object on a table that is made up
 };
 
 /// The plane that the object stands on.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "prehend/simulation/world_implementation.h"
 
@@ -217,12 +216,11 @@ void explain_rules(const Scene& scene, std::size_t n, bool any_mesh, Explanation
                             "20 um of further settling, as measured; a slower roll is stopped",
                             "once an object has stood still on the table alone for 0.3 s"});
   }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  out.left_out.push_back({"the carrier's yielding", "", nan, "m", "not known",
+  out.left_out.push_back({"the carrier's yielding", "", kNoBound, "m", "not known",
                           "the carrier moves as told, whatever pushes it"});
-  out.left_out.push_back({"the motor's inductance", "", nan, "m", "not known",
+  out.left_out.push_back({"the motor's inductance", "", kNoBound, "m", "not known",
                           "its time constant is below a millisecond"});
-  out.left_out.push_back({"objects' and fingers' bending", "", nan, "m", "not known",
+  out.left_out.push_back({"objects' and fingers' bending", "", kNoBound, "m", "not known",
                           "only the pads' foam gives way; all else is rigid but for stiff springs "
                           "at the points that touch"});
   const auto say_off = [&](bool on, const char* name) {

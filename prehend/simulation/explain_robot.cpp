@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 #include <map>
 
 #include "prehend/simulation/explain_parts.h"
@@ -52,7 +51,6 @@ void RobotWorld::Implementation::explain_arm(Explanation& out) const {
   std::vector<bool> of_arm;
   for (std::size_t b = 0; b < robot.bodies.size(); ++b)
     of_arm.push_back(!is_hands(static_cast<int>(b)));
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   if (!arm) {
     out.modelled.push_back({"carrier", "moves the palm along straight lines, whatever pushes it"});
     return;
@@ -63,7 +61,7 @@ void RobotWorld::Implementation::explain_arm(Explanation& out) const {
                       "position loops of %g rad/s; %s that touch objects and table",
                       arm->chain().joints().size(), options.arm.acceleration, options.arm.bandwidth,
                       shapes_text(robot, of_arm).c_str())});
-  out.left_out.push_back({"the arm's yielding", "", nan, "m", "not known",
+  out.left_out.push_back({"the arm's yielding", "", kNoBound, "m", "not known",
                           "its servos are far stiffer than fingers and contacts, and inertias of "
                           "industrial arms are not published"});
 }
@@ -106,16 +104,15 @@ void RobotWorld::Implementation::explain_hand(Explanation& out) const {
                         joints[static_cast<std::size_t>(breakaway.leader)].name.c_str(),
                         breakaway.torque)});
   }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   const bool all_known = std::all_of(robot.motors.begin(), robot.motors.end(),
                                      [](const auto& motor) { return motor.model.has_value(); });
   if (!all_known) {
-    out.left_out.push_back({"the motors' currents", "", nan, "N m", "not known",
+    out.left_out.push_back({"the motors' currents", "", kNoBound, "N m", "not known",
                             "hands say what their joints can, not what their motors draw; where "
                             "the hand's file has no `motor`"});
   }
   out.left_out.push_back(
-      {"surfaces between points", "", nan, "m", "not known",
+      {"surfaces between points", "", kNoBound, "m", "not known",
        explained_text("links and objects touch by points, %g mm apart on fingers, %g mm on the arm",
                       1e3 * RobotTouch::kPointSpacing, 1e3 * RobotTouch::kArmSpacing)});
 }
@@ -169,7 +166,7 @@ void RobotWorld::Implementation::explain_objects(Explanation& out) const {
                                            kStillTime)});
   }
   out.left_out.push_back({"objects' and fingers' bending", "",
-                          std::numeric_limits<double>::quiet_NaN(), "m", "not known",
+                          kNoBound, "m", "not known",
                           "only the pads' foam gives way; all else is rigid but for springs at the "
                           "points that touch"});
   if (!options.sleep) out.rules_off.emplace_back("sleep");

@@ -17,6 +17,7 @@ import pathlib
 from ._prehend import (
     ActionServer,
     Belief,
+    Chain,
     Completion,
     Goal,
     GoalContext,
@@ -43,6 +44,7 @@ from ._prehend import (
     TriangleMesh,
     World,
     WorldState,
+    choose_chain as _choose_chain,
     get_parameter,
     model_of_mesh,
     nodes,
@@ -59,13 +61,12 @@ from .graph import GoalEnded, Launch, Stream, launch, run_node
 from .messages import Message
 
 __all__ = [
-    "ActionServer", "Belief", "Completion", "Goal", "GoalContext", "GoalEnded", "Grasp", "GraspPlan", "Hand",
+    "ActionServer", "Belief", "Chain", "Completion", "Goal", "GoalContext", "GoalEnded", "Grasp", "GraspPlan", "Hand",
     "InputError", "Launch", "Message", "Node", "ObjectModel", "Platform", "PointCloud", "Probe", "Publisher",
     "RecordedMessage", "Recording", "RecordingError", "RecordingWriter", "Rejection", "Scene", "SeenObject",
-    "Service", "Stream", "Subscription", "SurfaceOrigin", "TriangleMesh", "World", "WorldState", "config_folder",
-    "get_parameter", "hand",
-    "launch", "model_of_mesh", "nodes", "plan_grasps", "platform", "read_cloud", "read_mesh",
-    "run_node", "segment", "set_parameter", "topics", "write_cloud", "write_mesh",
+    "Service", "Stream", "Subscription", "SurfaceOrigin", "TriangleMesh", "World", "WorldState", "chain",
+    "config_folder", "get_parameter", "hand", "launch", "model_of_mesh", "nodes", "plan_grasps", "platform",
+    "read_cloud", "read_mesh", "run_node", "segment", "set_parameter", "topics", "write_cloud", "write_mesh",
 ]
 
 
@@ -108,3 +109,13 @@ def hand(name):
 def platform(name):
     """A Platform: of config/robots by its name, or a YAML file of one's own."""
     return Platform.read(_robot_file(name))
+
+
+def chain(hand, *, budget=0.0, tolerance=0.0):
+    """A Chain for a Hand, or one of config/robots by its name: how segment, complete, model and
+    plan_grasps work, chosen together from the chains that were measured (config/fidelity): the most
+    often lifted within a budget [s of processor, from a stereo pair], or the fastest within a
+    tolerance [m, mean error of the mesh]. Raises InputError, with the nearest, where none keeps it."""
+    if not isinstance(hand, Hand):
+        hand = Hand.read(_robot_file(hand))
+    return _choose_chain(config_folder() / "fidelity", hand, budget=budget, tolerance=tolerance)

@@ -227,10 +227,20 @@ TEST(Segment, LeavesOutWhatIsBesideTheTableOrTooFar) {
   SyntheticView view;
   view.boxes = {table_top(0.6, 0.5), standing_box(0, 0, {0.08, 0.08, 0.12}),
                 standing_box(0.6, 0, {0.1, 0.1, 0.2})};
-  EXPECT_EQ(segment(render(view), view.camera, view.X_WC).objects.size(), 1U);
+  const geometry::PointCloud cloud = render(view);
+  const SegmentedScene scene = segment(cloud, view.camera, view.X_WC);
+  ASSERT_EQ(scene.objects.size(), 1U);
+  const PointsLeftOut& points = scene.left_out;
+  EXPECT_GT(points.beside_table, 0U);
+  EXPECT_EQ(points.too_far, 0U);
+  EXPECT_EQ(points.not_finite + points.low + points.over_max_height + points.too_far +
+                points.beside_table + points.flying + scene.objects[0].cloud_W.size(),
+            cloud.size());
   SegmentationOptions options;
   options.max_distance = 0.5;
-  EXPECT_TRUE(segment(render(view), view.camera, view.X_WC, options).objects.empty());
+  const SegmentedScene near = segment(cloud, view.camera, view.X_WC, options);
+  EXPECT_TRUE(near.objects.empty());
+  EXPECT_GE(near.left_out.too_far, scene.objects[0].cloud_W.size());
 }
 
 TEST(Segment, SurvivesInvalidPixels) {

@@ -94,6 +94,52 @@ class Prediction(unittest.TestCase):
             prehend.model_of_mesh(prehend.TriangleMesh(corners[:0], triangles[:0]))
 
 
+class Chains(unittest.TestCase):
+    """One budget or tolerance for all stages."""
+
+    @classmethod
+    def setUpClass(cls):
+        points, width, height = box_on_table((0.06, 0.08, 0.12))
+        cls.cloud = prehend.PointCloud(points, width=width, height=height)
+
+    def test_tolerance_sets_every_stage(self):
+        chain = prehend.chain("pg70", tolerance=0.003)
+        self.assertLessEqual(chain.mesh_error, 0.003)
+        self.assertEqual({name.split(".")[0] for name in chain.knobs}, {"seeing", "shape", "plan"})
+        self.assertIn(chain.knobs["shape.thinning"], repr(chain))
+        scene = prehend.segment(self.cloud, chain=chain)
+        self.assertEqual(scene.chain.knobs, chain.knobs)
+        model = scene.complete()[0].model()
+        alternatives = int(chain.knobs["shape.alternatives"])
+        self.assertLessEqual(len(model.alternatives), alternatives)
+        usual = prehend.segment(self.cloud)
+        self.assertIsNone(usual.chain)
+        self.assertNotEqual(len(model.mesh.vertices), len(usual.complete()[0].model().mesh.vertices))
+        hand = prehend.hand("pg70")
+        plan = prehend.plan_grasps(model, hand, table=scene.table, chain=chain)
+        self.assertEqual(plan.problem, "")
+        self.assertNotEqual(plan.candidates, prehend.plan_grasps(model, hand, table=scene.table).candidates)
+
+    def test_what_does_not_apply_is_refused(self):
+        with self.assertRaisesRegex(prehend.InputError, "budget"):
+            prehend.chain("pg70")
+        with self.assertRaises(prehend.InputError):
+            prehend.chain("pg70", budget=1, tolerance=0.003)
+        with self.assertRaisesRegex(prehend.InputError, "fastest"):
+            prehend.chain("pg70", budget=1e-3)
+        for wrong in (float("nan"), -1):
+            with self.assertRaises(prehend.InputError):
+                prehend.chain("pg70", budget=wrong)
+        chain = prehend.chain("pg70", tolerance=0.003)
+        with self.assertRaisesRegex(prehend.InputError, "alternatives"):
+            prehend.segment(self.cloud, chain=chain).complete(alternatives=2)
+        model = prehend.segment(self.cloud).complete()[0].model()
+        with self.assertRaisesRegex(prehend.InputError, "sdh2"):
+            prehend.plan_grasps(model, prehend.hand("sdh2"), chain=chain)
+        with self.assertRaisesRegex(prehend.InputError, "budget"):
+            prehend.plan_grasps(model, prehend.hand("pg70"), budget=1, chain=chain)
+
+
 class Robots(unittest.TestCase):
     def test_inverse_kinematics_come_back(self):
         arm = prehend.platform("kr5_sdh")

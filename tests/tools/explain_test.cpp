@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "prehend/geometry/cloud_files.h"
+#include "prehend/geometry/rigid_transform.h"
 #include "tests/launch/child_program.h"
 
 namespace prehend::testing {
@@ -110,6 +112,72 @@ TEST_F(Explain, ABadSceneIsOneClearError) {
   EXPECT_EQ(exit_code_, 2);
   run({"config/scenes/demo.yaml", "--loud"});
   EXPECT_EQ(exit_code_, 2);
+}
+
+constexpr int kTablePoints = 101 * 101;
+
+// A box of 60 x 80 x 120 mm on a table of 1 m by 1 m, from 1.1 m; with one point high over it.
+geometry::PointCloud box_on_table() {
+  const geometry::RigidTransform X_WC = geometry::look_at({0.5, 0.4, 0.9}, {0, 0, 0.05});
+  geometry::PointCloud cloud;
+  const auto add = [&](double x, double y, double z) {
+    cloud.points.push_back((X_WC.inverse() * Eigen::Vector3d(x, y, z)).cast<float>());
+  };
+  for (int i = -50; i <= 50; ++i) {
+    for (int k = -50; k <= 50; ++k) add(0.01 * i, 0.01 * k, 0);
+  }
+  for (int i = 0; i <= 30; ++i) {
+    for (int k = 0; k <= 40; ++k) add(-0.03 + 0.002 * i, -0.04 + 0.002 * k, 0.12);
+    for (int k = 5; k <= 60; ++k) add(-0.03 + 0.002 * i, 0.04, 0.002 * k);
+  }
+  for (int i = 0; i <= 40; ++i) {
+    for (int k = 5; k <= 60; ++k) add(0.03, -0.04 + 0.002 * i, 0.002 * k);
+  }
+  add(0, 0, 0.6);
+  cloud.width = static_cast<int>(cloud.size());
+  cloud.height = 1;
+  return cloud;
+}
+
+TEST_F(Explain, SaysWhatBecomesOfARecordedCloud) {
+  const std::string cloud = folder_.path("box.pcd");
+  geometry::write_cloud_file(cloud, box_on_table());
+  std::string output = run({cloud});
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("points without an order"), HasSubstr("object 0"),
+                            HasSubstr("predicted by"), HasSubstr("convex pieces")));
+  EXPECT_THAT(output,
+              AllOf(HasSubstr(std::to_string(kTablePoints) + " points of the table or under it"),
+                    HasSubstr("1 points high over the table"), HasSubstr("max_height")));
+  EXPECT_THAT(output, Not(HasSubstr("chosen of measured chains")));
+  output = run({cloud, "--tolerance", "0.5", "--json"});
+  google::protobuf::Struct parsed;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output, &parsed).ok()) << output;
+  EXPECT_EQ(parsed.fields().at("cloud").string_value(), cloud);
+  EXPECT_THAT(output, AllOf(HasSubstr("chosen of measured chains"), HasSubstr("shape.thinning")));
+  EXPECT_THAT(run({cloud, "--budget", "1us"}), HasSubstr("Allow as much as the fastest one"));
+  EXPECT_THAT(run({cloud, "--front", "config/fidelity/touch.yaml"}), HasSubstr("is for scenes"));
+  EXPECT_THAT(run({cloud, "--split", "top"}), HasSubstr("--split is 'top'"));
+  EXPECT_THAT(run({cloud, "--split", "touching"}), HasSubstr("needs an organized cloud"));
+  EXPECT_THAT(run({cloud, "--table", "1 2"}), HasSubstr("table"));
+  EXPECT_THAT(run({folder_.write("empty.pcd", "")}), HasSubstr("empty.pcd"));
+  EXPECT_EQ(exit_code_, 1);
+}
+
+TEST_F(Explain, SaysWhatAPlatformIsPlannedWith) {
+  std::string output = run({"--platform", "kr5_sdh"});
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("sdh2: 7 motors, 6 pads"), HasSubstr("arm_axis_1 -170 to 170 deg"),
+                            HasSubstr("pairs of balls"), HasSubstr("links that cannot collide"),
+                            HasSubstr("fcl")));
+  output = run({"--platform", "kr5_sdh", "--json"});
+  google::protobuf::Struct parsed;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output, &parsed).ok()) << output;
+  EXPECT_EQ(parsed.fields().at("platform").string_value(), "kr5_sdh");
+  EXPECT_THAT(run({"--platform", "kr5_sdhh"}), HasSubstr("nearest is 'kr5_sdh'"));
+  EXPECT_THAT(run({"--platform", "kr5_sdh", "--budget", "1s"}), HasSubstr("scenes and clouds"));
+  EXPECT_THAT(run({"config/scenes/demo.yaml", "--up", "0 0 1"}), HasSubstr("recorded clouds"));
+  EXPECT_EQ(exit_code_, 1);
 }
 
 TEST_F(Explain, SaysHowARobotOfArmAndHandIsModelled) {

@@ -6,18 +6,7 @@
 #include "prehend/geometry/errors.h"
 
 namespace prehend::tools {
-namespace {
-
-// As the launch files have it.
-const char* front_of(const PlanChoices& choices) {
-  const bool is_gripper =
-      choices.platform.empty() ? choices.hand == "pg70" : choices.platform == "stage_pg70";
-  return is_gripper ? "chain.yaml" : "chain_hand.yaml";
-}
-
-}  // namespace
-
-std::optional<ChosenChain> chosen_chain(const PlanChoices& choices) {
+std::optional<fidelity::ChosenChain> chosen_chain(const PlanChoices& choices) {
   const auto budget = choices.grasp_knobs.find("budget");
   const double seconds = budget == choices.grasp_knobs.end() ? 0 : budget->second;
   if (!(seconds > 0) && !(choices.tolerance > 0)) return std::nullopt;
@@ -31,16 +20,12 @@ std::optional<ChosenChain> chosen_chain(const PlanChoices& choices) {
         std::string(chosen) + " is chosen for a cloud where --budget or --tolerance is given",
         "Leave one of them out");
   }
-  ChosenChain chain;
-  chain.front =
-      fidelity::read_front(std::filesystem::path(choices.config) / "fidelity" / front_of(choices));
-  chain.setting = fidelity::choose_for_stage(chain.front, seconds, choices.tolerance);
-  chain.budget = seconds;
-  chain.tolerance = choices.tolerance;
-  return chain;
+  return fidelity::choose_chain(std::filesystem::path(choices.config) / "fidelity",
+                                fidelity::chain_front_name(choices.hand, choices.platform), seconds,
+                                choices.tolerance);
 }
 
-report::DrawnFront drawn_front(const ChosenChain& chain) {
+report::DrawnFront drawn_front(const fidelity::ChosenChain& chain) {
   report::DrawnFront drawn;
   drawn.subject = chain.front.subject;
   drawn.error_name = chain.front.error_name;
@@ -56,7 +41,7 @@ report::DrawnFront drawn_front(const ChosenChain& chain) {
   return drawn;
 }
 
-Json json_of(const ChosenChain& chain) {
+Json chain_json(const fidelity::ChosenChain& chain) {
   Json knobs = Json::object();
   for (const auto& [name, value] : chain.setting.knobs) knobs.set(name, value);
   return Json::object()

@@ -291,7 +291,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
       .set("choices", choices_json(planned.choices))
       .set("remedies", remedies_json(planned.remedies))
       .set("seconds", times);
-  if (target.chain) result.set("chosen", json_of(*target.chain));
+  if (target.chain) result.set("chosen", chain_json(*target.chain));
   if (planned.arm) {
     Json arm = Json::object(), segments = Json::array(), missed = Json::array();
     for (const auto& segment : planned.arm->motion.segments) {
