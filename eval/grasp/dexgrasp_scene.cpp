@@ -129,12 +129,12 @@ class SceneBuilder {
     servo.stiffness = slides ? protocol_.slide_stiffness : protocol_.stiffness;
     servo.damping = 2 * std::sqrt(servo.stiffness * inertia_at(joint));
     servo.effort = of.max_effort;
+    set_rates(j, &servo);
     if (balanced_.size() > 0) {
       servo.squeezed = servo.touch + balanced_[index] / servo.stiffness;
     } else {
       press_by_share(slides, &servo);
     }
-    set_rates(j, &servo);
     out_.closing = std::max(out_.closing, servo.closing_to_touch());
     out_.servos.push_back(servo);
   }
@@ -162,7 +162,9 @@ class SceneBuilder {
   // What the plan does not close keeps its place.
   void press_by_share(bool slides, DexServo* servo) const {
     servo->squeezed = servo->touch;
-    if (std::abs(servo->touch) <= kLeastWay) return;
+    // What is as wide as the hand opens is touched at once.
+    const double way_to_close = std::abs(servo->touch) > kLeastWay ? servo->touch : servo->rate;
+    if (way_to_close == 0) return;
     double effort = servo->effort;
     if (grasp_.force > 0) {
       effort = std::min(effort, 2 * grasp_.force);  // of both jaws' pads
@@ -174,7 +176,7 @@ class SceneBuilder {
       servo->effort = effort;
       way += kFurtherSlide;
     }
-    servo->squeezed += std::copysign(way, servo->touch);
+    servo->squeezed += std::copysign(way, way_to_close);
   }
 
   // Of the link alone: those beyond it make its loop slower, not less stable.

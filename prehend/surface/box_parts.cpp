@@ -38,26 +38,46 @@ const std::vector<Eigen::Vector3f>& directions() {
 /// A set of filled voxels by its extremes.
 struct Hull {
   std::vector<Eigen::Vector3f> points;  // extreme voxel centres
-  HullFaces faces{{}};                  // with a little margin; empty when there are no points
+  HullFaces faces{{}};                  // empty when there are no points
+  float margin = 0;                     // voxels, that the faces are to be moved outward
   Eigen::Vector3i low;                  // bounds of the points
   Eigen::Vector3i high;
 };
 
+bool is_flat(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) covariance += (p - mean) * (p - mean).transpose();
+  const double largest = covariance.trace();
+  return !(largest > 0) || !((covariance / largest).determinant() > 1e-8);
+}
+
 Hull box_hull(const std::vector<Eigen::Vector3f>& candidates) {
+  constexpr double kMargin = 0.05;  // voxels
   Hull hull;
   if (candidates.empty()) return hull;
-  const std::set<std::size_t> chosen = extremes_of(candidates, directions());
-  // A small octahedron about each keeps hulls of flat sets from being flat.
-  std::vector<Eigen::Vector3d> widened;
-  hull.low = hull.high = candidates[*chosen.begin()].cast<int>();
-  for (const std::size_t i : chosen) {
+  std::vector<Eigen::Vector3d> corners;
+  hull.low = hull.high = candidates.front().cast<int>();
+  for (const std::size_t i : extremes_of(candidates, directions())) {
     const Eigen::Vector3f& p = candidates[i];
     hull.points.push_back(p);
+    corners.push_back(p.cast<double>());
     hull.low = hull.low.cwiseMin(p.cast<int>());
     hull.high = hull.high.cwiseMax(p.cast<int>());
+  }
+  if (!is_flat(corners)) {
+    hull.margin = static_cast<float>(kMargin);
+    hull.faces = HullFaces(geometry::convex_hull(corners));
+    return hull;
+  }
+  // A small octahedron about each keeps hulls of flat sets from being flat.
+  std::vector<Eigen::Vector3d> widened;
+  for (const Eigen::Vector3d& p : corners) {
     for (int axis = 0; axis < 3; ++axis) {
-      for (const double step : {-0.05, 0.05}) {
-        widened.push_back(p.cast<double>() + step * Eigen::Vector3d::Unit(axis));
+      for (const double step : {-kMargin, kMargin}) {
+        widened.push_back(p + step * Eigen::Vector3d::Unit(axis));
       }
     }
   }
@@ -111,13 +131,17 @@ class Decomposition {
   /// Calls f(index of the row, first voxel, last voxel) for each row of voxels in the hull.
   template <typename Function>
   void for_rows(const Hull& hull, Function f) const {
+    if (hull.faces.empty()) return;
+    const int begin = hull.low.y();
+    const auto count = static_cast<std::size_t>(hull.high.y() - begin + 1);
+    std::vector<float> low(count), high(count);
     for (int z = hull.low.z(); z <= hull.high.z(); ++z) {
-      for (int y = hull.low.y(); y <= hull.high.y(); ++y) {
-        const auto [low, high] = hull.faces.row(y, z, 0);
-        if (!(low <= high)) continue;
-        const int first = std::max(0, static_cast<int>(std::ceil(low)));
-        const int last = std::min(solid_.size.x() - 1, static_cast<int>(std::floor(high)));
-        if (first <= last) f(y, z, first, last);
+      hull.faces.rows(static_cast<float>(begin), static_cast<float>(z), hull.margin, low, high);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (!(low[i] <= high[i])) continue;
+        const int first = std::max(0, static_cast<int>(std::ceil(low[i])));
+        const int last = std::min(solid_.size.x() - 1, static_cast<int>(std::floor(high[i])));
+        if (first <= last) f(begin + static_cast<int>(i), z, first, last);
       }
     }
   }

@@ -34,14 +34,16 @@ bool cut_at_hull(ScalarGrid& field, const std::vector<Eigen::Vector3f>& points, 
     value = std::min(value, level + slope * (margin - faces.distance(Eigen::Vector3f(x, y, z))));
   };
   const int n = field.size().x();
+  const auto count = static_cast<std::size_t>(field.size().y());
+  std::vector<float> outer_low(count), outer_high(count), inner_low(count), inner_high(count);
   for (int z = 0; z < field.size().z(); ++z) {
+    faces.rows(0, static_cast<float>(z), margin + kNear, outer_low, outer_high);
+    faces.rows(0, static_cast<float>(z), margin - kNear, inner_low, inner_high);
     for (int y = 0; y < field.size().y(); ++y) {
-      const auto [outer_low, outer_high] = faces.row(y, z, margin + kNear);
-      const auto [inner_low, inner_high] = faces.row(y, z, margin - kNear);
       for (int x = 0; x < n; ++x) {
-        if (x > inner_low && x < inner_high) {
-          x = std::min(n, static_cast<int>(std::ceil(inner_high))) - 1;
-        } else if (x >= outer_low && x <= outer_high) {
+        if (x > inner_low[y] && x < inner_high[y]) {
+          x = std::min(n, static_cast<int>(std::ceil(inner_high[y]))) - 1;
+        } else if (x >= outer_low[y] && x <= outer_high[y]) {
           lower(x, y, z);
         } else {
           field.at(x, y, z) = std::min(field.at(x, y, z), level - slope * kNear);

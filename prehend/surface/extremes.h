@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <set>
@@ -25,22 +26,28 @@ std::vector<Eigen::Vector3<Scalar>> spread_directions(std::size_t count) {
 }
 
 /// Indices of the points farthest along each of `directions`, the first of equals.
-/// @pre there is a point.
+/// @pre there is a point; all are finite.
 template <class Scalar>
 std::set<std::size_t> extremes_of(const std::vector<Eigen::Vector3<Scalar>>& points,
                                   const std::vector<Eigen::Vector3<Scalar>>& directions) {
+  // Coordinate by coordinate, so that many points are looked at at once.
+  const std::size_t count = points.size();
+  std::vector<Scalar> x(count), y(count), z(count), along(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    x[i] = points[i].x();
+    y[i] = points[i].y();
+    z[i] = points[i].z();
+  }
   std::set<std::size_t> chosen;
   for (const Eigen::Vector3<Scalar>& direction : directions) {
-    std::size_t best = 0;
-    Scalar most = direction.dot(points[0]);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      const Scalar along = direction.dot(points[i]);
-      if (along > most) {
-        most = along;
-        best = i;
-      }
+    for (std::size_t i = 0; i < count; ++i) {
+      along[i] = direction.x() * x[i] + direction.y() * y[i] + direction.z() * z[i];
     }
-    chosen.insert(best);
+    const Scalar most = Eigen::Map<const Eigen::ArrayX<Scalar>>(
+                            along.data(), static_cast<Eigen::Index>(count))
+                            .maxCoeff();
+    const auto best = std::find(along.begin(), along.end(), most);
+    chosen.insert(static_cast<std::size_t>(best - along.begin()));
   }
   return chosen;
 }

@@ -36,20 +36,33 @@ float HullFaces::thickness(const std::vector<Eigen::Vector3f>& points) const {
   return least;
 }
 
-std::pair<float, float> HullFaces::row(float y, float z, float shift) const {
-  float low = -std::numeric_limits<float>::infinity();
-  float high = std::numeric_limits<float>::infinity();
+// Face by face, so that the rows of one are worked on side by side.
+void HullFaces::rows(float first, float z, float shift, std::vector<float>& low,
+                     std::vector<float>& high) const {
+  const std::size_t count = low.size();
+  std::fill(low.begin(), low.end(), -std::numeric_limits<float>::infinity());
+  std::fill(high.begin(), high.end(), std::numeric_limits<float>::infinity());
   for (const Face& face : faces_) {
-    const float room = face.offset + shift - face.normal.y() * y - face.normal.z() * z;
+    const float room = face.offset + shift - face.normal.y() * first - face.normal.z() * z;
     if (std::abs(face.normal.x()) < 1e-6f) {
-      if (room < 0) return {0, -1};
-    } else if (face.normal.x() > 0) {
-      high = std::min(high, room / face.normal.x());
+      for (std::size_t i = 0; i < count; ++i) {
+        if (room - face.normal.y() * static_cast<float>(i) < 0) {
+          high[i] = -std::numeric_limits<float>::infinity();
+        }
+      }
+      continue;
+    }
+    const float at_first = room / face.normal.x(), step = -face.normal.y() / face.normal.x();
+    if (face.normal.x() > 0) {
+      for (std::size_t i = 0; i < count; ++i) {
+        high[i] = std::min(high[i], at_first + step * static_cast<float>(i));
+      }
     } else {
-      low = std::max(low, room / face.normal.x());
+      for (std::size_t i = 0; i < count; ++i) {
+        low[i] = std::max(low[i], at_first + step * static_cast<float>(i));
+      }
     }
   }
-  return {low, high};
 }
 
 }  // namespace prehend::surface

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,9 +19,11 @@ class HullFaces {
   float distance(const Eigen::Vector3f& p) const;
   /// The least width of `points` perpendicular to a face.
   float thickness(const std::vector<Eigen::Vector3f>& points) const;
-  /// The x between which the row through (0, y, z) is inside when the faces are moved outward by
-  /// `shift`; the first is greater than the second when it is not.
-  std::pair<float, float> row(float y, float z, float shift) const;
+  /// The x between which the rows through (0, y, z), for y = `first`, `first` + 1, ..., are inside
+  /// when the faces are moved outward by `shift`: low[i] is greater than high[i] when that one is
+  /// not. @pre as many of both as rows.
+  void rows(float first, float z, float shift, std::vector<float>& low,
+            std::vector<float>& high) const;
 
  private:
   struct Face {  // outside where normal · p > offset
