@@ -43,25 +43,48 @@ struct Placed {
   int index;
 };
 
+/// Balls' centres and radii coordinate by coordinate, so that many are looked at at once.
+struct BallArrays {
+  Eigen::ArrayXd x, y, z, radius, distance;
+
+  explicit BallArrays(const std::vector<Placed>& balls) {
+    const auto count = static_cast<Eigen::Index>(balls.size());
+    for (Eigen::ArrayXd* array : {&x, &y, &z, &radius, &distance}) array->resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Placed& ball = balls[static_cast<std::size_t>(i)];
+      x[i] = ball.p.x();
+      y[i] = ball.p.y();
+      z[i] = ball.p.z();
+      radius[i] = ball.radius;
+    }
+  }
+  void measure_from(const Vector3d& center) {
+    distance = ((x - center.x()).square() + (y - center.y()).square() + (z - center.z()).square())
+                   .sqrt();
+  }
+  /// The ball that reaches farthest from the centre that was measured from.
+  Eigen::Index farthest() const {
+    Eigen::Index index = 0;
+    (distance + radius).maxCoeff(&index);
+    return index;
+  }
+};
+
 /// A ball round balls: their middle, drawn towards the farthest of them again and again (M. Badoiu
 /// and K. L. Clarkson, "Smaller core-sets for balls", SODA 2003).
 BatchScene::Node bound_of(const std::vector<Placed>& balls) {
   Eigen::AlignedBox3d box;
   for (const Placed& ball : balls) box.extend(ball.p);
   Vector3d center = box.center();
-  const auto farthest = [&]() -> const Placed& {
-    return *std::max_element(balls.begin(), balls.end(), [&](const Placed& a, const Placed& b) {
-      return (a.p - center).norm() + a.radius < (b.p - center).norm() + b.radius;
-    });
-  };
+  BallArrays arrays(balls);
   for (int k = 1; k <= kDraws && balls.size() > 1; ++k) {
-    center += (farthest().p - center) / (k + 1);
+    arrays.measure_from(center);
+    center += (balls[static_cast<std::size_t>(arrays.farthest())].p - center) / (k + 1);
   }
+  arrays.measure_from(center);
   BatchScene::Node node;
-  node.ball = make_ball(center, (farthest().p - center).norm() + farthest().radius + kRounding);
-  for (const Placed& ball : balls) {
-    node.spread = std::max(node.spread, static_cast<float>((ball.p - center).norm() + kRounding));
-  }
+  node.ball = make_ball(center, (arrays.distance + arrays.radius).maxCoeff() + kRounding);
+  node.spread = static_cast<float>(arrays.distance.maxCoeff() + kRounding);
   return node;
 }
 
