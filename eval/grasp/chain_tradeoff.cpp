@@ -18,6 +18,7 @@ using fidelity::Stage;
 
 constexpr std::array kStages{Stage::kSeeing, Stage::kShape, Stage::kPlan};
 constexpr std::size_t kLeftOut = 4;  // each fourth chain is foretold
+constexpr double kShortest = 1e-6;   // s, that has a logarithm
 
 bool is_left_out(const MeasuredChain& chain) {
   return (chain.levels[0] + chain.levels[1] + chain.levels[2]) % kLeftOut == 0;
@@ -27,29 +28,12 @@ double stage_time(const MeasuredChain& chain, std::size_t stage) {
   return fidelity::stage_seconds(chain.setting, kStages[stage]);
 }
 
-// What of the others has the same settings of the stage and of the one before.
-double foretold_time(const MeasuredChain& chain, const std::vector<MeasuredChain>& measured) {
-  double total = 0;
-  for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
-    double sum = 0;
-    int count = 0;
-    for (const MeasuredChain& other : measured) {
-      if (is_left_out(other) || other.levels[stage] != chain.levels[stage]) continue;
-      if (stage > 0 && other.levels[stage - 1] != chain.levels[stage - 1]) continue;
-      sum += stage_time(other, stage);
-      ++count;
-    }
-    if (count > 0) total += sum / count;
-  }
-  return total;
-}
+using RowOf = std::function<Eigen::VectorXd(const MeasuredChain&)>;
 
-// Least squares of a mean and an effect of each level but a stage's first.
-std::function<double(const MeasuredChain&)> additive(
-    const ChainGrid& grid, const std::vector<MeasuredChain>& measured,
-    const std::function<double(const MeasuredChain&)>& value) {
+// A mean, and an effect of each setting but a stage's first.
+RowOf single_effects(const ChainGrid& grid) {
   const std::array sizes{grid.seeing.size(), grid.shape.size(), grid.plan.size()};
-  const auto row_of = [sizes](const MeasuredChain& chain) {
+  return [sizes](const MeasuredChain& chain) {
     Eigen::VectorXd row = Eigen::VectorXd::Zero(
         static_cast<Eigen::Index>(1 + sizes[0] + sizes[1] + sizes[2] - sizes.size()));
     row[0] = 1;
@@ -62,6 +46,29 @@ std::function<double(const MeasuredChain&)> additive(
     }
     return row;
   };
+}
+
+// An effect of each two settings of two stages.
+RowOf paired_effects(const ChainGrid& grid) {
+  const std::array sizes{grid.seeing.size(), grid.shape.size(), grid.plan.size()};
+  return [sizes](const MeasuredChain& chain) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(
+        sizes[0] * sizes[1] + sizes[1] * sizes[2] + sizes[0] * sizes[2]));
+    std::size_t first = 0;
+    for (std::size_t a = 0; a < sizes.size(); ++a) {
+      for (std::size_t b = a + 1; b < sizes.size(); ++b) {
+        row[static_cast<Eigen::Index>(first + chain.levels[a] * sizes[b] + chain.levels[b])] = 1;
+        first += sizes[a] * sizes[b];
+      }
+    }
+    return row;
+  };
+}
+
+// By the smallest effects that fit the chains that are not left out, by least squares.
+std::function<double(const MeasuredChain&)> fitted(
+    const RowOf& row_of, const std::vector<MeasuredChain>& measured,
+    const std::function<double(const MeasuredChain&)>& value) {
   std::vector<Eigen::VectorXd> rows;
   std::vector<double> values;
   for (const MeasuredChain& chain : measured) {
@@ -73,9 +80,33 @@ std::function<double(const MeasuredChain&)> additive(
   for (std::size_t i = 0; i < rows.size(); ++i) {
     system.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
   }
-  const Eigen::VectorXd effects = system.colPivHouseholderQr().solve(
+  const Eigen::VectorXd effects = system.completeOrthogonalDecomposition().solve(
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   return [effects, row_of](const MeasuredChain& chain) { return row_of(chain).dot(effects); };
+}
+
+// A stage's time is the product of what each setting makes of it, and of what each two settings of
+// two stages make of the rest.
+std::function<double(const MeasuredChain&)> foretold_time(
+    const ChainGrid& grid, const std::vector<MeasuredChain>& measured) {
+  std::vector<std::function<double(const MeasuredChain&)>> logarithms;
+  for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
+    const auto logarithm = [stage](const MeasuredChain& chain) {
+      return std::log(std::max(kShortest, stage_time(chain, stage)));
+    };
+    const auto by_one = fitted(single_effects(grid), measured, logarithm);
+    const auto by_two =
+        fitted(paired_effects(grid), measured, [&](const MeasuredChain& chain) {
+          return logarithm(chain) - by_one(chain);
+        });
+    logarithms.push_back(
+        [by_one, by_two](const MeasuredChain& chain) { return by_one(chain) + by_two(chain); });
+  }
+  return [logarithms](const MeasuredChain& chain) {
+    double total = 0;
+    for (const auto& logarithm : logarithms) total += std::exp(logarithm(chain));
+    return total;
+  };
 }
 
 double mesh_error(const fidelity::Setting& setting) { return setting.other_errors.front().second; }
@@ -144,10 +175,11 @@ fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const st
 }
 
 Foretold foretell(const ChainGrid& grid, const std::vector<MeasuredChain>& measured) {
-  const auto mesh =
-      additive(grid, measured, [](const MeasuredChain& chain) { return mesh_error(chain); });
-  const auto not_lifted =
-      additive(grid, measured, [](const MeasuredChain& chain) { return chain.setting.error; });
+  const auto time = foretold_time(grid, measured);
+  const auto mesh = fitted(single_effects(grid), measured,
+                           [](const MeasuredChain& chain) { return mesh_error(chain); });
+  const auto not_lifted = fitted(single_effects(grid), measured,
+                                 [](const MeasuredChain& chain) { return chain.setting.error; });
   Foretold result;
   for (const MeasuredChain& chain : measured) {
     if (!is_left_out(chain)) continue;
@@ -156,8 +188,7 @@ Foretold foretell(const ChainGrid& grid, const std::vector<MeasuredChain>& measu
       *worst = std::max(*worst, off);
       *sum += off;
     };
-    count(std::abs(foretold_time(chain, measured) / chain.setting.seconds - 1), &result.worst_time,
-          &result.mean_time);
+    count(std::abs(time(chain) / chain.setting.seconds - 1), &result.worst_time, &result.mean_time);
     count(std::abs(mesh(chain) / mesh_error(chain) - 1), &result.worst_mesh, &result.mean_mesh);
     count(std::abs(not_lifted(chain) - chain.setting.error), &result.worst_not_lifted,
           &result.mean_not_lifted);

@@ -26,8 +26,8 @@ fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const st
                             const std::string& machine);
 
 /// How well chains are foretold that nobody measured: a quarter of them is left out, and said by
-/// the others. A stage's time depends on its own setting and on that of the stage before; errors
-/// are the sum of what each setting changes of the mean.
+/// the others. A stage's time is the product of what each setting makes of it and each two settings
+/// of two stages of the rest; errors are the sum of what each setting changes of the mean.
 struct Foretold {
   int chains = 0;
   double worst_time = 0, mean_time = 0;              // share of the measured

@@ -1,5 +1,6 @@
 #include "prehend/grasp/planner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <limits>
@@ -151,6 +152,37 @@ TEST(PlanGrasps, OutOfTimeSaysWhatWasNotTried) {
   EXPECT_TRUE(result.grasps.empty());
   EXPECT_EQ(rejected(result, Reason::kNoTime), result.candidates);
   EXPECT_NE(result.problem.find("not tried"), std::string::npos) << result.problem;
+}
+
+// Whenever it is stopped: what it has are grasps of the whole plan, the best of them first.
+TEST(PlanGrasps, StoppedAtAnyMomentWhatItHasIsValid) {
+  PlannerOptions options;
+  options.uncertainty.samples = 0;
+  options.largest_count = 10000;
+  const surface::ObjectModel object =
+      object_at(geometry::make_box({0.05, 0.06, 0.12}), {0.4, 0, 0.06});
+  const auto plan = [&] {
+    return plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
+  };
+  const GraspPlan whole = plan();
+  ASSERT_FALSE(whole.grasps.empty());
+  std::size_t most = 0;
+  for (const double budget : {1e-4, 1e-3, 5e-3, 0.02, 0.05, 0.1, 60.0}) {
+    options.budget = budget;
+    const GraspPlan part = plan();
+    EXPECT_EQ(static_cast<int>(part.grasps.size()) + rejected(part), part.candidates) << budget;
+    for (std::size_t i = 0; i < part.grasps.size(); ++i) {
+      if (i > 0) EXPECT_GE(part.grasps[i - 1].score, part.grasps[i].score) << budget;
+      const bool is_of_the_whole =
+          std::any_of(whole.grasps.begin(), whole.grasps.end(), [&](const Grasp& one) {
+            return one.X_WG.matrix() == part.grasps[i].X_WG.matrix() &&
+                   one.quality == part.grasps[i].quality;
+          });
+      EXPECT_TRUE(is_of_the_whole) << budget << " s, grasp " << i;
+    }
+    most = part.grasps.size();
+  }
+  EXPECT_EQ(most, whole.grasps.size()) << "in a minute";
 }
 
 TEST(PlanGrasps, TooHeavySaysHowHeavy) {
