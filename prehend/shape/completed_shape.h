@@ -31,6 +31,7 @@ struct ObjectView {
   /// not given, and the shape's `seen_space` is empty.
   const geometry::DepthImage* depth = nullptr;
   bool may_be_several = false;  // ObjectHypothesis::may_be_several
+  bool is_cut = false;          // ObjectHypothesis::touches_image_border: it goes on
 };
 
 /// Whose viewpoint a point was "seen" from (CompletedShape::viewpoint_of). Points that a fall-back

@@ -52,7 +52,7 @@ struct Evidence {
   double concavity = 0;
   /// Fraction of the seen points that lie in a hollow open to above: a vessel's inside.
   double open_top = 0;
-  bool cut_by_image = false;  // the mask reaches the image's border
+  bool cut_by_image = false;  // the image's border cuts it, or what was looked at at most
   double occluded = 0;        // share of the mask's outline where something nearer cuts it off
   bool on_another = false;    // it stands on another object, of which less is known than of a table
   /// Mean distance of the prediction by the next plane that faces the viewer and votes nearly as

@@ -16,7 +16,8 @@ inline ObjectView view_of(const perception::SegmentedScene& scene,
           &object.nearer,
           object.support_W.has_value(),
           &scene.depth,
-          object.may_be_several};
+          object.may_be_several,
+          object.touches_image_border};
 }
 
 }  // namespace prehend::shape

@@ -210,7 +210,7 @@ class Completion {
                                    std::max(3 * options_.depth_tolerance, 0.1 * voting_.extent));
     e.concavity = std::min(1.0, hollow.depth / voting_.extent);
     e.open_top = hollow.open_top;
-    e.cut_by_image = reaches_border(view_.mask);
+    e.cut_by_image = view_.is_cut || reaches_border(view_.mask);
     if (view_.nearer && !view_.nearer->data.empty()) {
       e.occluded = hidden_outline_share(view_.mask, *view_.nearer);
     }
@@ -443,7 +443,8 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
   const geometry::MaskImage mask = with_holes_filled(view.mask, options.fill_holes);
   const ObjectView filled{view.cloud_W,    mask,         view.camera,
                           view.X_WC,       view.table_W, view.nearer,
-                          view.on_another, view.depth,   view.may_be_several};
+                          view.on_another, view.depth,   view.may_be_several,
+                          view.is_cut};
   return Completion(filled, std::move(voting), options, model).run();
 }
 

@@ -241,6 +241,18 @@ TEST(Extremes, ObjectThatFillsTheImage) {
   EXPECT_LT(shape.confidence, complete_by_symmetry(box_view().view()).confidence);
 }
 
+// Within the image, but its upper part was not looked at.
+TEST(Extremes, WhatIsCutByHeightIsAsUnsure) {
+  const SyntheticView view = box_view();
+  ObjectView cut = view.view();
+  const CompletedShape whole = complete_by_symmetry(cut);
+  EXPECT_FALSE(whole.evidence.cut_by_image);
+  cut.is_cut = true;
+  const CompletedShape shape = complete_by_symmetry(cut);
+  EXPECT_TRUE(shape.evidence.cut_by_image);
+  EXPECT_LT(shape.confidence, whole.confidence);
+}
+
 TEST(Extremes, MaskWithHoles) {
   const SyntheticView whole = box_view();
   SyntheticView holed = whole;
