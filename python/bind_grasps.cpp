@@ -102,7 +102,8 @@ void bind_grasps(py::module_& m) {
         py::arg("chain") = py::none(),
         "Plans grasps of an ObjectModel with a Hand. table: (normal, offset [m]); obstacles: "
         "meshes; approach_direction: 3 numbers, the only one that is tried; budget: seconds, 0: "
-        "none; chain: a Chain of that hand in its place. Same input and seed, same plan, unless there is a budget.");
+        "none; chain: a Chain of that hand in its place. Same input and seed, same plan, unless "
+        "there is a budget.");
 }
 
 }  // namespace prehend::python

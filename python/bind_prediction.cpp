@@ -164,7 +164,8 @@ void bind_scenes(py::module_& m) {
       "Finds table and objects of a recorded cloud. viewpoint: 4 x 4, the camera's optical frame "
       "in the cloud's; up: 3 numbers; table: auto, find, none or 'a b c d' [m]; scale: metres per "
       "unit; split: none, tops, touching, shapes; min_height [m], 0: by the table's noise; chain: "
-      "a Chain, which all that is made of the scene is made by. Raises InputError where there is no "
+      "a Chain, which all that is made of the scene is made by. Raises InputError where there is "
+      "no "
       "table.");
 }
 

@@ -52,8 +52,8 @@ RowOf single_effects(const ChainGrid& grid) {
 RowOf paired_effects(const ChainGrid& grid) {
   const std::array sizes{grid.seeing.size(), grid.shape.size(), grid.plan.size()};
   return [sizes](const MeasuredChain& chain) {
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(
-        sizes[0] * sizes[1] + sizes[1] * sizes[2] + sizes[0] * sizes[2]));
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(
+        static_cast<Eigen::Index>(sizes[0] * sizes[1] + sizes[1] * sizes[2] + sizes[0] * sizes[2]));
     std::size_t first = 0;
     for (std::size_t a = 0; a < sizes.size(); ++a) {
       for (std::size_t b = a + 1; b < sizes.size(); ++b) {
@@ -95,10 +95,9 @@ std::function<double(const MeasuredChain&)> foretold_time(
       return std::log(std::max(kShortest, stage_time(chain, stage)));
     };
     const auto by_one = fitted(single_effects(grid), measured, logarithm);
-    const auto by_two =
-        fitted(paired_effects(grid), measured, [&](const MeasuredChain& chain) {
-          return logarithm(chain) - by_one(chain);
-        });
+    const auto by_two = fitted(paired_effects(grid), measured, [&](const MeasuredChain& chain) {
+      return logarithm(chain) - by_one(chain);
+    });
     logarithms.push_back(
         [by_one, by_two](const MeasuredChain& chain) { return by_one(chain) + by_two(chain); });
   }

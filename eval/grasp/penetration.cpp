@@ -16,8 +16,7 @@ double way_out(const Eigen::Matrix3Xd& normals_a, const Eigen::Matrix3Xd& vertic
   double shortest = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < normals_a.cols(); ++i) {
     const Eigen::RowVector3d normal = normals_a.col(i).transpose();
-    const double way =
-        (normal * vertices_a).maxCoeff() - (normal * vertices_b).minCoeff();
+    const double way = (normal * vertices_a).maxCoeff() - (normal * vertices_b).minCoeff();
     if (way <= 0) return 0;
     shortest = std::min(shortest, way);
   }

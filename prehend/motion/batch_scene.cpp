@@ -59,8 +59,8 @@ struct BallArrays {
     }
   }
   void measure_from(const Vector3d& center) {
-    distance = ((x - center.x()).square() + (y - center.y()).square() + (z - center.z()).square())
-                   .sqrt();
+    distance =
+        ((x - center.x()).square() + (y - center.y()).square() + (z - center.z()).square()).sqrt();
   }
   /// The ball that reaches farthest from the centre that was measured from.
   Eigen::Index farthest() const {

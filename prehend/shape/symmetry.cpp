@@ -441,10 +441,9 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
   check_view(view);
   if (options.fill_holes == 0) return Completion(view, std::move(voting), options, model).run();
   const geometry::MaskImage mask = with_holes_filled(view.mask, options.fill_holes);
-  const ObjectView filled{view.cloud_W,    mask,         view.camera,
-                          view.X_WC,       view.table_W, view.nearer,
-                          view.on_another, view.depth,   view.may_be_several,
-                          view.is_cut};
+  const ObjectView filled{view.cloud_W,        mask,        view.camera,     view.X_WC,
+                          view.table_W,        view.nearer, view.on_another, view.depth,
+                          view.may_be_several, view.is_cut};
   return Completion(filled, std::move(voting), options, model).run();
 }
 

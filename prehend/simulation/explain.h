@@ -20,9 +20,9 @@ inline constexpr double kNoBound = std::numeric_limits<double>::quiet_NaN();
 /// Something that a world leaves out or simplifies.
 struct LeftOutPart {
   std::string what;
-  std::string rule;  // field of ModelRules; empty: no model of it exists
-  double error = 0;  // the error's bound, in `unit`; 0: bitwise the same; kNoBound
-  std::string unit;  // "m"
+  std::string rule;        // field of ModelRules; empty: no model of it exists
+  double error = 0;        // the error's bound, in `unit`; 0: bitwise the same; kNoBound
+  std::string unit;        // "m"
   std::string error_text;  // "none: bitwise the same", "at most 12 um of sinking into the table"
   std::string why;
 };

@@ -165,8 +165,7 @@ void RobotWorld::Implementation::explain_objects(Explanation& out) const {
                                            "that moves touches it",
                                            kStillTime)});
   }
-  out.left_out.push_back({"objects' and fingers' bending", "",
-                          kNoBound, "m", "not known",
+  out.left_out.push_back({"objects' and fingers' bending", "", kNoBound, "m", "not known",
                           "only the pads' foam gives way; all else is rigid but for springs at the "
                           "points that touch"});
   if (!options.sleep) out.rules_off.emplace_back("sleep");

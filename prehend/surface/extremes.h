@@ -43,9 +43,9 @@ std::set<std::size_t> extremes_of(const std::vector<Eigen::Vector3<Scalar>>& poi
     for (std::size_t i = 0; i < count; ++i) {
       along[i] = direction.x() * x[i] + direction.y() * y[i] + direction.z() * z[i];
     }
-    const Scalar most = Eigen::Map<const Eigen::ArrayX<Scalar>>(
-                            along.data(), static_cast<Eigen::Index>(count))
-                            .maxCoeff();
+    const Scalar most =
+        Eigen::Map<const Eigen::ArrayX<Scalar>>(along.data(), static_cast<Eigen::Index>(count))
+            .maxCoeff();
     const auto best = std::find(along.begin(), along.end(), most);
     chosen.insert(static_cast<std::size_t>(best - along.begin()));
   }

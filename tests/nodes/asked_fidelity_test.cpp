@@ -52,7 +52,7 @@ TEST(AskedFidelity, IsTheTasksOrTheParameters) {
 TEST(AskedFidelity, WhatNothingKeepsNamesTheTasksLineAndWhatWouldDo) {
   const fidelity::Front front = fidelity::read_front(kChain);
   const std::string refused =
-      refusal_of([&] { choose_asked(front, asked_fidelity(asking_task(0.15, 0), 0, 0)); });
+      refusal_of([&] { choose_asked(front, asked_fidelity(asking_task(1e-3, 0), 0, 0)); });
   EXPECT_THAT(refused, AllOf(HasSubstr("mine.yaml:3: budget"), HasSubstr("Give at least ")));
   const double offered = std::stod(refused.substr(refused.find("at least ") + 9));
   EXPECT_EQ(&choose_asked(front, asked_fidelity(asking_task(offered, 0), 0, 0)),

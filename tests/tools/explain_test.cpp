@@ -167,9 +167,9 @@ TEST_F(Explain, SaysWhatBecomesOfARecordedCloud) {
 TEST_F(Explain, SaysWhatAPlatformIsPlannedWith) {
   std::string output = run({"--platform", "kr5_sdh"});
   EXPECT_EQ(exit_code_, 0) << output;
-  EXPECT_THAT(output, AllOf(HasSubstr("sdh2: 7 motors, 6 pads"), HasSubstr("arm_axis_1 -170 to 170 deg"),
-                            HasSubstr("pairs of balls"), HasSubstr("links that cannot collide"),
-                            HasSubstr("fcl")));
+  EXPECT_THAT(output, AllOf(HasSubstr("sdh2: 7 motors, 6 pads"),
+                            HasSubstr("arm_axis_1 -170 to 170 deg"), HasSubstr("pairs of balls"),
+                            HasSubstr("links that cannot collide"), HasSubstr("fcl")));
   output = run({"--platform", "kr5_sdh", "--json"});
   google::protobuf::Struct parsed;
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output, &parsed).ok()) << output;

@@ -57,7 +57,8 @@ void refuse_chosen(const PlanChoices& choices) {
 }
 
 grasp::PlannerOptions options_of(const PlanChoices& choices,
-                                 const std::optional<fidelity::ChosenChain>& chain, Planned* planned) {
+                                 const std::optional<fidelity::ChosenChain>& chain,
+                                 Planned* planned) {
   grasp::PlannerOptions options = grasp::default_options(planned->hand);
   if (!choices.generators.empty()) {
     const grasp::GeneratorRegistry known;

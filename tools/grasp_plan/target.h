@@ -21,9 +21,9 @@ struct PlanTarget {
   surface::ObjectModel object;
   std::vector<std::vector<geometry::TriangleMesh>> neighbours_W;  // convex pieces of each
   geometry::Plane table_W;
-  std::optional<grasp::PlacedObject> known;  // a mesh that was given or found, not predicted
-  std::optional<fidelity::ChosenChain> chain;          // what --budget or --tolerance chose for a cloud
-  std::vector<std::string> notes;            // what was assumed, in words
+  std::optional<grasp::PlacedObject> known;    // a mesh that was given or found, not predicted
+  std::optional<fidelity::ChosenChain> chain;  // what --budget or --tolerance chose for a cloud
+  std::vector<std::string> notes;              // what was assumed, in words
   StageTimes times;
 };
 

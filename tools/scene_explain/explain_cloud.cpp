@@ -24,7 +24,6 @@ using perception::SegmentedScene;
 using simulation::Explanation;
 using simulation::kNoBound;
 
-
 class CloudExplainer {
  public:
   explicit CloudExplainer(const CloudToExplain& cloud) : cloud_(cloud) {
@@ -46,9 +45,9 @@ class CloudExplainer {
         perception::read_recorded_cloud_options(cloud_.scale, cloud_.viewpoint, cloud_.up,
                                                 cloud_.table));
     if ((cloud_.split == "touching" || cloud_.split == "shapes") && !recorded.cloud_C.organized()) {
-      throw geometry::InputError("--split " + cloud_.split + " needs an organized cloud, '" +
-                                     cloud_.file + "' is none",
-                                 "Leave --split away");
+      throw geometry::InputError(
+          "--split " + cloud_.split + " needs an organized cloud, '" + cloud_.file + "' is none",
+          "Leave --split away");
     }
     const SegmentedScene scene = perception::segment_recorded_cloud(recorded, segmentation_);
     tell_view(recorded, scene);
@@ -59,24 +58,23 @@ class CloudExplainer {
 
  private:
   void choose_chain() {
-    const fidelity::ChosenChain chain =
-        fidelity::choose_chain(text::tree_file("config/fidelity"),
-                               fidelity::chain_front_name(cloud_.hand, cloud_.platform),
-                               cloud_.budget, cloud_.tolerance);
+    const fidelity::ChosenChain chain = fidelity::choose_chain(
+        text::tree_file("config/fidelity"),
+        fidelity::chain_front_name(cloud_.hand, cloud_.platform), cloud_.budget, cloud_.tolerance);
     fidelity::apply_seeing_setting(
         stage_setting(chain.front, chain.setting, fidelity::Stage::kSeeing), &segmentation_);
-    shape_ = fidelity::shape_options(
-        stage_setting(chain.front, chain.setting, fidelity::Stage::kShape));
-    modelled("all stages", fmt::format("chosen of measured chains: {} ({})",
-                                       to_string(chain.setting),
-                                       measured_text(chain.front, chain.setting)));
+    shape_ =
+        fidelity::shape_options(stage_setting(chain.front, chain.setting, fidelity::Stage::kShape));
+    modelled("all stages",
+             fmt::format("chosen of measured chains: {} ({})", to_string(chain.setting),
+                         measured_text(chain.front, chain.setting)));
   }
 
   void tell_view(const perception::RecordedCloud& recorded, const SegmentedScene& scene) {
     const geometry::PointCloud& cloud = recorded.cloud_C;
-    modelled("cloud", cloud.organized() ? fmt::format("a picture of {} x {} pixels", cloud.width,
-                                                      cloud.height)
-                                        : fmt::format("{} points without an order", cloud.size()));
+    modelled("cloud", cloud.organized()
+                          ? fmt::format("a picture of {} x {} pixels", cloud.width, cloud.height)
+                          : fmt::format("{} points without an order", cloud.size()));
     const Eigen::Vector3d p = scene.X_WC.translation();
     modelled("table", recorded.hypothetical_table_C
                           ? "made up, under the lowest point"
@@ -103,11 +101,11 @@ class CloudExplainer {
     tell(points.flying, "flying alone", "", "a body thinner than a pixel",
          "they would join what stands apart");
     if (points.low > 0) {
-      left_out(fmt::format("{} points of the table or under it", points.low), "min_height",
-               points.least_height, "m",
-               fmt::format("at most {:.1f} mm of an object's foot at 1 m",
-                           1e3 * points.least_height),
-               "as high as the table's noise");
+      left_out(
+          fmt::format("{} points of the table or under it", points.low), "min_height",
+          points.least_height, "m",
+          fmt::format("at most {:.1f} mm of an object's foot at 1 m", 1e3 * points.least_height),
+          "as high as the table's noise");
     }
     for (const std::string& dropped : scene.dropped) {
       left_out("what is no object", "", kNoBound, "", "it is no obstacle", dropped);
@@ -141,12 +139,11 @@ class CloudExplainer {
   void tell_object(const std::string& name, const SegmentedScene& scene,
                    const perception::ObjectHypothesis& seen, const shape::CompletedShape& shape,
                    const surface::ObjectModel& model) {
-    modelled(name, fmt::format("{}: {} seen points, {} predicted by {}, confidence {:.2f}",
-                               surface::size_text(
-                                   surface::predicted_size(model, scene.table_W).size),
-                               seen.cloud_W.size(),
-                               shape.cloud_W.size() - seen.cloud_W.size(),
-                               shape::name(shape.method), shape.confidence));
+    modelled(name,
+             fmt::format("{}: {} seen points, {} predicted by {}, confidence {:.2f}",
+                         surface::size_text(surface::predicted_size(model, scene.table_W).size),
+                         seen.cloud_W.size(), shape.cloud_W.size() - seen.cloud_W.size(),
+                         shape::name(shape.method), shape.confidence));
     modelled(name + "'s mesh",
              fmt::format("{} triangles, {:.0f} % of the area guessed; {} convex pieces; {} other "
                          "shapes",
@@ -159,8 +156,9 @@ class CloudExplainer {
     if (!shape.refused.empty()) out_.remarks.push_back(name + ": " + shape.refused);
     if (!model.substitute.empty()) out_.remarks.push_back(name + ": " + model.substitute);
     if (seen.touches_image_border) {
-      out_.remarks.push_back(name + ": the picture or max_height cuts it; what is beyond is not "
-                                    "predicted");
+      out_.remarks.push_back(name +
+                             ": the picture or max_height cuts it; what is beyond is not "
+                             "predicted");
     }
     if (seen.may_be_several) out_.remarks.push_back(name + ": it may be several");
   }

@@ -25,11 +25,11 @@ std::string motion_of(const robot::Platform& platform) {
     const robot::ChainJoint& joint = chain.joints()[static_cast<std::size_t>(k)];
     const bool slides = !joint.is_revolute;
     const double unit = slides ? 1e3 : 180 / std::numbers::pi;
-    joints += fmt::format("{}{} {:.0f} to {:.0f} {}, {:.0f} {}/s, {:.0f} {}/s^2",
-                          joints.empty() ? "" : "; ", joint.name, unit * joint.lower,
-                          unit * joint.upper, slides ? "mm" : "deg", unit * joint.max_velocity,
-                          slides ? "mm" : "deg", unit * platform.acceleration[k],
-                          slides ? "mm" : "deg");
+    joints +=
+        fmt::format("{}{} {:.0f} to {:.0f} {}, {:.0f} {}/s, {:.0f} {}/s^2",
+                    joints.empty() ? "" : "; ", joint.name, unit * joint.lower, unit * joint.upper,
+                    slides ? "mm" : "deg", unit * joint.max_velocity, slides ? "mm" : "deg",
+                    unit * platform.acceleration[k], slides ? "mm" : "deg");
   }
   return joints;
 }
@@ -82,9 +82,8 @@ Explanation explain_platform(const std::filesystem::path& file) {
   tell_collisions(platform, &out);
   out.left_out.push_back({"bending of links, play of joints", "", kNoBound, "", "no bound is known",
                           "there is no model of it"});
-  out.remarks.push_back(
-      "How it is simulated: prehend explain config/scenes/demo.yaml --platform " +
-      platform.name);
+  out.remarks.push_back("How it is simulated: prehend explain config/scenes/demo.yaml --platform " +
+                        platform.name);
   return out;
 }
 
