@@ -66,7 +66,7 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   geometry::CloudFile file;
   file.cloud = cloud;
   const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(file, options);
-  if ((split == "touching" || split == "shapes") && !recorded.cloud_C.organized()) {
+  if (needs_organized(segmentation.split) && !recorded.cloud_C.organized()) {
     throw geometry::InputError("split='" + split + "' needs an organized cloud", "Leave it away");
   }
   return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes, chain};

@@ -355,6 +355,10 @@ Plane transformed(const Plane& plane_B, const RigidTransform& X_AB) {
 
 }  // namespace
 
+bool needs_organized(Splitting splitting) {
+  return splitting == Splitting::kTouching || splitting == Splitting::kShapes;
+}
+
 std::optional<Splitting> splitting_named(std::string_view name) {
   if (name == "none") return Splitting::kNone;
   if (name == "tops") return Splitting::kTops;

@@ -11,6 +11,7 @@
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/surface/extremes.h"
 #include "prehend/surface/hull_faces.h"
+#include "prehend/surface/solid_hull.h"
 
 namespace prehend::surface {
 namespace {
@@ -44,18 +45,9 @@ struct Hull {
   Eigen::Vector3i high;
 };
 
-bool is_flat(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) mean += p;
-  mean /= static_cast<double>(points.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) covariance += (p - mean) * (p - mean).transpose();
-  const double largest = covariance.trace();
-  return !(largest > 0) || !((covariance / largest).determinant() > 1e-8);
-}
-
 Hull box_hull(const std::vector<Eigen::Vector3f>& candidates) {
   constexpr double kMargin = 0.05;  // voxels
+  constexpr double kSolid = 1e-8;   // Scatter::solidity of what is not flat
   Hull hull;
   if (candidates.empty()) return hull;
   std::vector<Eigen::Vector3d> corners;
@@ -67,7 +59,7 @@ Hull box_hull(const std::vector<Eigen::Vector3f>& candidates) {
     hull.low = hull.low.cwiseMin(p.cast<int>());
     hull.high = hull.high.cwiseMax(p.cast<int>());
   }
-  if (!is_flat(corners)) {
+  if (scatter_of(corners).solidity > kSolid) {
     hull.margin = static_cast<float>(kMargin);
     hull.faces = HullFaces(geometry::convex_hull(corners));
     return hull;

@@ -28,28 +28,36 @@ std::vector<Eigen::Vector3d> outermost(const std::vector<Eigen::Vector3d>& point
 
 }  // namespace
 
+Scatter scatter_of(const std::vector<Eigen::Vector3d>& points) {
+  Scatter scatter;
+  for (const Eigen::Vector3d& p : points) scatter.mean += p;
+  scatter.mean /= static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) {
+    covariance += (p - scatter.mean) * (p - scatter.mean).transpose();
+  }
+  scatter.squares = covariance.trace();
+  if (scatter.squares > 0) scatter.solidity = (covariance / scatter.squares).determinant();
+  return scatter;
+}
+
 std::optional<TriangleMesh> solid_hull(const std::vector<Eigen::Vector3d>& points,
                                        std::size_t max_vertices) {
   if (points.size() < 4) return std::nullopt;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) mean += p;
-  mean /= static_cast<double>(points.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) covariance += (p - mean) * (p - mean).transpose();
-  const double largest = covariance.trace();
-  if (!(largest > 0) || !((covariance / largest).determinant() > 1e-12)) return std::nullopt;
+  const Scatter scatter = scatter_of(points);
+  if (!(scatter.solidity > 1e-12)) return std::nullopt;
 
   // Most points lie within the hull of a few extreme ones and need not be looked at again.
   std::vector<Eigen::Vector3d> outer = points;
   if (points.size() > kFewPoints) {
     const TriangleMesh inner = geometry::convex_hull(outermost(points, kFewDirections));
-    const double scale = 1 / std::sqrt(largest / static_cast<double>(points.size()));
+    const double scale = 1 / std::sqrt(scatter.squares / static_cast<double>(points.size()));
     TriangleMesh scaled = inner;
-    for (Eigen::Vector3d& p : scaled.vertices) p = scale * (p - mean);
+    for (Eigen::Vector3d& p : scaled.vertices) p = scale * (p - scatter.mean);
     const HullFaces faces(scaled);
     outer = inner.vertices;
     for (const Eigen::Vector3d& p : points) {
-      if (faces.distance((scale * (p - mean)).cast<float>()) > -1e-5f) outer.push_back(p);
+      if (faces.distance((scale * (p - scatter.mean)).cast<float>()) > -1e-5f) outer.push_back(p);
     }
   }
   TriangleMesh hull = geometry::convex_hull(outer);

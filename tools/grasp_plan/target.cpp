@@ -144,14 +144,14 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
       perception::read_recorded_cloud_options(choices.scale.value_or(1), choices.viewpoint,
                                               choices.up, choices.table));
   target.notes = recorded.notes;
-  if ((choices.split == "touching" || choices.split == "shapes") && !recorded.cloud_C.organized()) {
-    throw geometry::InputError(
-        "--split " + choices.split + " needs an organized cloud, '" + choices.file + "' is none",
-        "Leave --split away");
-  }
   perception::SegmentationOptions segmentation;
   if (!choices.split.empty()) {
     segmentation.split = perception::splitting_named(choices.split).value();
+  }
+  if (needs_organized(segmentation.split) && !recorded.cloud_C.organized()) {
+    throw geometry::InputError(
+        "--split " + choices.split + " needs an organized cloud, '" + choices.file + "' is none",
+        "Leave --split away");
   }
   segmentation.body_evidence = shape::log_odds_of_one_body;
   fidelity::ShapeOptions shape_options;

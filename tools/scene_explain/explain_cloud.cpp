@@ -44,7 +44,7 @@ class CloudExplainer {
         geometry::read_cloud_file(cloud_.file),
         perception::read_recorded_cloud_options(cloud_.scale, cloud_.viewpoint, cloud_.up,
                                                 cloud_.table));
-    if ((cloud_.split == "touching" || cloud_.split == "shapes") && !recorded.cloud_C.organized()) {
+    if (needs_organized(segmentation_.split) && !recorded.cloud_C.organized()) {
       throw geometry::InputError(
           "--split " + cloud_.split + " needs an organized cloud, '" + cloud_.file + "' is none",
           "Leave --split away");
