@@ -145,6 +145,20 @@ TEST_F(RegistryOfNodes, NameOfADeadNodeIsFreeAtOnce) {
   EXPECT_NO_THROW(Node(options("test_talk")));
 }
 
+// What changes while a node leaves must not make the registry take it up again, until its lease.
+TEST_F(RegistryOfNodes, NodeThatLeavesAmidChangesIsGoneAtOnce) {
+  Introspection look(endpoint);
+  for (int round = 0; round < 20; ++round) {
+    {
+      Node node(options("guest"));
+      auto publisher = node.advertise<msgs::Clock>("/t", QoS::queue(10));
+      auto subscription =
+          node.subscribe<msgs::Clock>("/t", QoS::queue(10), [](const Received<msgs::Clock>&) {});
+    }
+    ASSERT_TRUE(eventually([&] { return look.nodes().empty(); }, 2s)) << round;
+  }
+}
+
 TEST_F(RegistryOfNodes, SilentNodeLosesItsLease) {
   registry.reset();
   registry = std::make_unique<Registry>(RegistryOptions{.endpoint = endpoint, .lease = 1500ms});

@@ -49,6 +49,8 @@ RegistryLink::RegistryLink(IoLoop& loop, const CurveGate& gate, const std::strin
 RegistryLink::~RegistryLink() { loop_.unwatch(socket_); }
 
 bool RegistryLink::send(RegistryRequest& request) {
+  // A change that was under way when the node left would make the registry take it up again.
+  if (left_) return false;
   request.set_id(next_id_++);
   Frames frames(1);
   frames[0] = zmq::message_t(request.SerializeAsString());
@@ -99,10 +101,10 @@ void RegistryLink::offer_schema(const std::shared_ptr<const Schema>& schema) {
 }
 
 void RegistryLink::goodbye() {
-  left_ = true;
   RegistryRequest request;
   request.mutable_goodbye()->set_instance(record_.instance());
   send(request);
+  left_ = true;
 }
 
 void RegistryLink::tick() {
