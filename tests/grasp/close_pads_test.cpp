@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -170,6 +171,32 @@ TEST(MeasureSection, TellsWidthsBeyondTheGripper) {
   EXPECT_NEAR(section.upper, 0.037, 1e-6);
   EXPECT_NEAR(section.lower, -0.057, 1e-6);
   EXPECT_FALSE(measure_section(wide, hand_at(0.3, 0, 0), kGripper).met);
+  EXPECT_LT(least_section_width(wide, hand_at(0.3, 0, 0), kGripper), 0);
+}
+
+TEST(MeasureSection, AFewTexelsTellAtLeastHowWideItIs) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> part(-1, 1);
+  int close = 0, met = 0;
+  for (const auto& mesh : {geometry::make_box({0.1, 0.06, 0.08}), geometry::make_sphere(0.04, 64),
+                           geometry::make_box({0.02, 0.2, 0.03})}) {
+    const MeshQuery object(mesh);
+    for (int i = 0; i < 300; ++i) {
+      auto X_WG = hand_at(0.04 * part(random), 0.05 * part(random), 0.04 * part(random));
+      X_WG.rotate(
+          Eigen::Quaterniond(part(random), part(random), part(random), part(random)).normalized());
+      const double least = least_section_width(object, X_WG, kGripper);
+      const SectionExtent section = measure_section(object, X_WG, kGripper);
+      if (!section.met) {
+        EXPECT_LT(least, 0);
+        continue;
+      }
+      EXPECT_LE(least, section.upper - section.lower + 1e-9);
+      ++met;
+      close += least > 0.9 * (section.upper - section.lower);
+    }
+  }
+  EXPECT_GT(close, 2 * met / 3);  // or it would save nothing
 }
 
 }  // namespace

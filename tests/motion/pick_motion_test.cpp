@@ -126,6 +126,30 @@ TEST_P(PlanPick, OtherSeedsTouchNothingEither) {
   }
 }
 
+// What a budget leaves is a whole motion that touches nothing, or none and the reason.
+TEST_P(PlanPick, StoppedAtAnyMomentWhatItHasIsValid) {
+  const PickScene scene = cluttered(GetParam());
+  PickOptions options;
+  options.acceleration = Eigen::VectorXd::Constant(scene.chain.size(), 5.0);
+  int found = 0;
+  for (const double budget : {1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 60.0}) {
+    options.budget = budget;
+    const PickMotion motion = plan(scene, options);
+    EXPECT_EQ(scene.problem(motion), "") << budget;
+    if (!motion.found()) {
+      EXPECT_THAT(motion.problem, HasSubstr("budget")) << budget;
+      int accounted = 0;
+      for (const PickRejection& rejected : motion.rejections) accounted += rejected.count;
+      EXPECT_EQ(accounted, 16) << budget;
+      continue;
+    }
+    ++found;
+    EXPECT_EQ(motion.segments.size(), 6u) << budget;
+    for (const PickSegment& segment : motion.segments) EXPECT_TRUE(segment.trajectory) << budget;
+  }
+  EXPECT_GE(found, 1);
+}
+
 TEST_P(PlanPick, StandsBesideAnotherObjectAndOnATiltedTable) {
   PickScene scene(GetParam(), {0.5, 0.1, 0.04});
   scene.add("beside", at(0.5, 0.1 + 0.05 + 0.005, 0.12), {0.05, 0.05, 0.16});  // 5 mm away

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -44,6 +45,14 @@ std::vector<Eigen::Vector3d> texel_centers(const robot::TactilePadModel& pad, do
     }
   }
   return centers;
+}
+
+std::vector<Eigen::Vector3d> placed(const RigidTransform& X_WG,
+                                    const std::vector<Eigen::Vector3d>& points_G) {
+  std::vector<Eigen::Vector3d> points_W;
+  points_W.reserve(points_G.size());
+  for (const auto& p_G : points_G) points_W.push_back(X_WG * p_G);
+  return points_W;
 }
 
 // The spring beds of both pads and the free rigid object between them.
@@ -116,6 +125,24 @@ class PadBeds {
   Eigen::Vector4d x_ = Eigen::Vector4d::Zero();  // q and the opening
 };
 
+// Corners, middles of the long edges, and two in the middle: what eight rays at once can ask.
+std::vector<Eigen::Vector3d> spread_texels(const std::vector<Eigen::Vector3d>& centers,
+                                           const robot::TactilePadModel& pad) {
+  const int bottom = pad.rows - 1, right = pad.columns - 1;
+  std::vector<Eigen::Vector3d> spread;
+  for (const auto& [row, column] :
+       {std::pair(0, 0), std::pair(0, right), std::pair(bottom, 0), std::pair(bottom, right),
+        std::pair(bottom / 2, 0), std::pair(bottom / 2, right), std::pair(bottom / 3, right / 2),
+        std::pair(bottom - bottom / 3, right / 2)}) {
+    spread.push_back(centers[static_cast<std::size_t>(row * pad.columns + column)]);
+  }
+  return spread;
+}
+
+bool leaves(const geometry::RayHit& hit, const Eigen::Vector3d& direction_W) {
+  return hit.normal.dot(direction_W) > 0;
+}
+
 // Of a ray that leaves the object. Through a hole of an open mesh it may do so without having
 // started inside: then the way back meets nothing from inside.
 bool starts_inside(const SurfaceQuery& object, const Eigen::Vector3d& origin,
@@ -133,20 +160,20 @@ std::optional<std::vector<Spring>> measure_heights(const SurfaceQuery& object,
   for (int side : {1, -1}) {
     const Eigen::Vector3d direction_W = X_WG.linear() * Eigen::Vector3d(0, -side, 0);
     const std::vector<Eigen::Vector3d> centers = texel_centers(pad, side * opening / 2);
-    // What is too wide is mostly so in the middle: one ray instead of all.
-    const Eigen::Vector3d middle = X_WG * centers[centers.size() / 2];
-    const auto middle_hit = object.cast_ray(middle, direction_W);
-    if (middle_hit && middle_hit->normal.dot(direction_W) > 0 &&
-        starts_inside(object, middle, direction_W)) {
-      return std::nullopt;
+    // What is too wide is mostly so over many texels: a few rays instead of all.
+    const std::vector<Eigen::Vector3d> few = placed(X_WG, spread_texels(centers, pad));
+    object.cast_rays(few, direction_W, 1e9, &hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (hits[i] && leaves(*hits[i], direction_W) && starts_inside(object, few[i], direction_W)) {
+        return std::nullopt;
+      }
     }
-    std::vector<Eigen::Vector3d> origins;
-    for (const auto& center : centers) origins.push_back(X_WG * center);
+    const std::vector<Eigen::Vector3d> origins = placed(X_WG, centers);
     object.cast_rays(origins, direction_W, 1e9, &hits);
     for (std::size_t i = 0; i < hits.size(); ++i) {
       const auto& hit = hits[i];
       if (!hit) continue;
-      if (hit->normal.dot(direction_W) > 0) {
+      if (leaves(*hit, direction_W)) {
         if (starts_inside(object, origins[i], direction_W)) return std::nullopt;
         continue;
       }
@@ -218,6 +245,14 @@ ContactPatch make_patch(const PadBeds& beds, int side, double opening,
   return patch;
 }
 
+// m, from G's xz plane to beyond every vertex along G's y axis.
+double reach_along_closing(const SurfaceQuery& object, const RigidTransform& X_WG) {
+  const Eigen::Vector3d y_W = X_WG.linear().col(1);
+  const Eigen::AlignedBox3d& box = object.box();
+  return std::abs(y_W.dot(box.center() - X_WG.translation())) +
+         y_W.cwiseAbs().dot(box.sizes()) / 2 + 0.01;
+}
+
 }  // namespace
 
 void ClosingOptions::validate() const {
@@ -230,18 +265,14 @@ void ClosingOptions::validate() const {
 SectionExtent measure_section(const SurfaceQuery& object_W, const RigidTransform& X_WG,
                               const robot::GripperModel& gripper) {
   const Eigen::Vector3d y_W = X_WG.linear().col(1);
-  const Eigen::AlignedBox3d& box = object_W.box();
-  const double reach = std::abs(y_W.dot(box.center() - X_WG.translation())) +
-                       y_W.cwiseAbs().dot(box.sizes()) / 2 + 0.01;  // m, beyond every vertex
+  const double reach = reach_along_closing(object_W, X_WG);
   SectionExtent section;
   section.upper = -reach;
   section.lower = reach;
   std::vector<std::optional<geometry::RayHit>> hits;
   for (int side : {1, -1}) {
     const std::vector<Eigen::Vector3d> centers = texel_centers(gripper.pad, side * reach);
-    std::vector<Eigen::Vector3d> origins;
-    for (const auto& center : centers) origins.push_back(X_WG * center);
-    object_W.cast_rays(origins, -side * y_W, 2 * reach, &hits);
+    object_W.cast_rays(placed(X_WG, centers), -side * y_W, 2 * reach, &hits);
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (!hits[i]) continue;
       const double height = reach - hits[i]->distance;
@@ -253,6 +284,22 @@ SectionExtent measure_section(const SurfaceQuery& object_W, const RigidTransform
     }
   }
   return section;
+}
+
+double least_section_width(const SurfaceQuery& object_W, const RigidTransform& X_WG,
+                           const robot::GripperModel& gripper) {
+  const Eigen::Vector3d y_W = X_WG.linear().col(1);
+  const double reach = reach_along_closing(object_W, X_WG);
+  double highest[2] = {-reach, -reach};
+  std::vector<std::optional<geometry::RayHit>> hits;
+  for (int side : {1, -1}) {
+    const auto centers = spread_texels(texel_centers(gripper.pad, side * reach), gripper.pad);
+    object_W.cast_rays(placed(X_WG, centers), -side * y_W, 2 * reach, &hits);
+    for (const auto& hit : hits) {
+      if (hit) highest[side > 0] = std::max(highest[side > 0], reach - hit->distance);
+    }
+  }
+  return highest[0] + highest[1];
 }
 
 void SectionExtent::shift_hand(double offset) {

@@ -72,6 +72,11 @@ struct SectionExtent {
 SectionExtent measure_section(const geometry::SurfaceQuery& object_W,
                               const geometry::RigidTransform& X_WG,
                               const robot::GripperModel& gripper);
+/// A lower bound of the width [m] that measure_section() finds, at a tenth of its rays: that of
+/// eight texels, spread over the pads. Below 0 when these meet nothing.
+double least_section_width(const geometry::SurfaceQuery& object_W,
+                           const geometry::RigidTransform& X_WG,
+                           const robot::GripperModel& gripper);
 
 /// Closes the two synchronised fingers on the object until each pad presses with `force` [N].
 ///

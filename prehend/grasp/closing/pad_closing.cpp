@@ -109,14 +109,35 @@ std::optional<Refusal> PadClosing::reach_pose(const Eigen::Vector3d& approach_W,
   return Refusal{Reason::kArm, {}};
 }
 
+// The table where it is in the way of the closed hand already, wherever along its closing direction
+// the object puts it: known before the object is looked at.
+std::optional<Refusal> PadClosing::meets_table_anyway(const RigidTransform& X_WG) const {
+  const Eigen::Vector3d closing_W = X_WG.linear().col(1);
+  const Eigen::AlignedBox3d& box = query_W_.box();
+  const double farthest = std::abs(closing_W.dot(box.center() - X_WG.translation())) +
+                          closing_W.cwiseAbs().dot(box.sizes()) / 2;
+  const auto hand = swept_hand(gripper_, 0, options_.pregrasp_distance);
+  const double most =
+      scene_.table_clearance(hand, X_WG) + std::abs(table_.normal.dot(closing_W)) * farthest;
+  if (most >= options_.collision.table_margin) return std::nullopt;
+  return Refusal{Reason::kTable, Miss{Quantity::kLength, most, options_.collision.table_margin}};
+}
+
 // Shifts the hand along its closing direction to the middle of the section between the pads.
 std::optional<Refusal> PadClosing::centre(RigidTransform* X_WG, double* section_width,
                                           SectionExtent* section) const {
-  *section = measure_section(query_W_, *X_WG, gripper_);
-  if (!section->met) return Refusal{Reason::kNothing, {}};
-  *section_width = section->upper - section->lower;
-  double offset = (section->upper + section->lower) / 2;
-  if (*section_width > room() + options_.pads.width_tolerance) {
+  const double limit = room() + options_.pads.width_tolerance;
+  double offset = 0;
+  *section = {};
+  *section_width = least_section_width(query_W_, *X_WG, gripper_);
+  if (*section_width <= limit) {
+    if (auto refusal = meets_table_anyway(*X_WG)) return refusal;
+    *section = measure_section(query_W_, *X_WG, gripper_);
+    if (!section->met) return Refusal{Reason::kNothing, {}};
+    *section_width = section->upper - section->lower;
+    offset = (section->upper + section->lower) / 2;
+  }
+  if (*section_width > limit) {
     // Perhaps a rim or handle fits between the fingers where they stand.
     const ClosedHand hand = close_hand(query_W_, *X_WG, gripper_.max_opening, least_force(),
                                        gripper_, options_.pads.closing);
@@ -126,6 +147,7 @@ std::optional<Refusal> PadClosing::centre(RigidTransform* X_WG, double* section_
     if (hand.outcome == ClosingOutcome::kMissed) return Refusal{Reason::kNothing, {}};
     offset = hand.offset;
     *section_width = hand.opening_at_touch;
+    *section = {};  // it is of more than what is between the fingers
   }
   X_WG->translation() += offset * X_WG->linear().col(1);
   section->shift_hand(offset);

@@ -41,6 +41,7 @@ class PadClosing : public Closing {
   std::optional<Refusal> reach_pose(const Eigen::Vector3d& approach_W,
                                     const geometry::RigidTransform& X_GH,
                                     geometry::RigidTransform* X_WG) const;
+  std::optional<Refusal> meets_table_anyway(const geometry::RigidTransform& X_WG) const;
   std::optional<Refusal> centre(geometry::RigidTransform* X_WG, double* section_width,
                                 SectionExtent* section) const;
   std::optional<Refusal> find_opening(const geometry::RigidTransform& X_WG, double section_width,
