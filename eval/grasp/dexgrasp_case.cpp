@@ -12,6 +12,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/whole_file.h"
 #include "prehend/grasp/planner.h"
+#include "prehend/surface/convex_pieces.h"
 
 namespace prehend::eval {
 namespace {
@@ -36,6 +37,16 @@ constexpr DexCount kDexCounts[] = {{"candidates", &DexCase::candidates},
                                    {"valid", &DexCase::valid},
                                    {"distinct", &DexCase::distinct},
                                    {"listed", &DexCase::listed}};
+
+// As exact as they can be made: what the planner's own pieces fill of a dent, as beside the seam of
+// a carton, is a slope that a grasp slides off.
+std::vector<geometry::TriangleMesh> pieces_to_touch(const geometry::TriangleMesh& mesh_W) {
+  surface::ConvexPiecesOptions options;
+  options.concavity = 0.001;
+  options.max_voxels = 128;
+  options.max_pieces = 256;
+  return surface::convex_pieces(mesh_W, options).pieces;
+}
 
 bool are_alike(const robot::HandModel& hand, const grasp::Grasp& a, const grasp::Grasp& b,
                const DexDistance& distance) {
@@ -113,7 +124,7 @@ DexCase run_dex_case(const DexHand& hand, const DataSet& object, DexTest test,
   result.test = test;
   const geometry::TriangleMesh& mesh_W = *object.mesh_B;
   const Belief belief = belief_of(mesh_W, {});
-  const DexObject body(mesh_W, belief.object.convex_pieces_W, choice.protocol);
+  const DexObject body(mesh_W, pieces_to_touch(mesh_W), choice.protocol);
   const grasp::PlannerOptions options =
       dex_options(hand, choice, geometry::mass_properties(mesh_W).volume);
   const geometry::Plane table = table_of(test);

@@ -118,9 +118,16 @@ void write_whole(const fs::path& file, const std::function<void(const fs::path&)
   part += ".part";
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
-  write(part);
+  std::error_code ignored;
+  try {
+    write(part);
+  } catch (...) {
+    fs::remove(part, ignored);
+    throw;
+  }
   fs::rename(part, file, error);
   if (error) {
+    fs::remove(part, ignored);
     throw InputError("'" + file.string() + "' cannot be written: " + error.message(),
                      "Name another file");
   }

@@ -68,7 +68,8 @@ void write_costs(const Cases& cases,
 /// The same of any text.
 void write_text(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 
-/// Lets `write` make FILE.part, which then becomes `file`. @throws InputError when that fails.
+/// Lets `write` make FILE.part, which then becomes `file`, or goes. @throws InputError when that
+/// fails, and what `write` throws.
 void write_whole(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path&)>& write);
 

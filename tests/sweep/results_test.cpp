@@ -2,6 +2,9 @@
 
 #include "prehend/sweep/results.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -92,6 +95,23 @@ TEST_F(Results, AreMerged) {
   EXPECT_THAT(whole.find("x=3")->rows.rows, ElementsAre(ElementsAre("7")));
   EXPECT_EQ(whole.seconds("x=3"), 2);
   EXPECT_EQ(whole.counts().done, 1);
+}
+
+TEST_F(Results, OfAFileThatCannotBeWrittenNothingStays) {
+  namespace fs = std::filesystem;
+  const fs::path folder = folder_.path("taken");
+  fs::create_directories(folder / "table.csv" / "in_the_way");
+  const auto empty = [](std::ostream& out) { out << "a"; };
+  EXPECT_THROW(write_text(folder / "table.csv", empty), text::InputError);
+  EXPECT_THROW(write_whole(folder / "other.csv",
+                           [](const fs::path& part) {
+                             std::ofstream(part) << "half";
+                             throw text::InputError("no space", "make some");
+                           }),
+               text::InputError);
+  int entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder)) ++entries;
+  EXPECT_EQ(entries, 1);
 }
 
 TEST_F(Results, MakeOneTable) {
