@@ -106,6 +106,9 @@ void declare_stereo_parameters(graph::Node& node) {
   node.declare_parameter<bool>({.name = "eight_directions",
                                 .default_value = o.eight_directions,
                                 .description = "the full two-pass algorithm"});
+  declare_count("subpixel_window", o.subpixel.window, 0, 31,
+                "side, odd, of the window in which both images are to agree best, for which what "
+                "one-pass semi_global finds is moved by less than a pixel; 0: it is not");
 }
 
 void refuse_stereo_parameters(const graph::Node& node) {
@@ -113,7 +116,7 @@ void refuse_stereo_parameters(const graph::Node& node) {
        {"method", "narrow_search", "match_both_ways", "filter", "minimum_confidence",
         "minimum_depth", "maximum_depth", "block_size", "small_step_penalty", "large_step_penalty",
         "gradient_cap", "uniqueness_percent", "speckle_size", "speckle_range",
-        "left_right_tolerance", "eight_directions"}) {
+        "left_right_tolerance", "eight_directions", "subpixel_window"}) {
     if (!node.is_parameter_given(name)) continue;
     throw geometry::InputError(
         std::string("Parameter ") + name + " is of stereo matching, and input is depth",
@@ -134,6 +137,7 @@ perception::StereoOptions stereo_options(const graph::Node& node) {
   o.speckle_range = node.parameter<int>("speckle_range");
   o.left_right_tolerance = node.parameter<int>("left_right_tolerance");
   o.eight_directions = node.parameter<bool>("eight_directions");
+  o.subpixel.window = node.parameter<int>("subpixel_window");
   if (node.parameter<std::string>("method") == "block_matching") {
     o.method = perception::StereoMethod::kBlockMatching;
   }

@@ -16,6 +16,7 @@ constexpr double kLeastMatched = 0.1;  // of the small pair's pixels
 StereoOptions coarse_options(StereoOptions options) {
   options.method = StereoMethod::kSemiGlobal;
   options.eight_directions = false;
+  options.subpixel.window = 0;
   options.speckle_size /= kCoarse * kCoarse;
   // A step that tears a patch apart when small does so when large, not the other way round.
   options.speckle_range = std::max(options.speckle_range / kCoarse, 1);

@@ -38,6 +38,7 @@ void check_options(const StereoOptions& o) {
   require(o.speckle_range >= 1 && o.speckle_range <= 100, "speckle_range must be 1..100");
   require(o.left_right_tolerance >= -1, "left_right_tolerance must be -1 or more");
   require(o.min_confidence >= 0 && o.min_confidence <= 1, "min_confidence must be 0..1");
+  o.subpixel.validate();
 }
 
 void check_camera(const geometry::StereoCamera& camera) {
@@ -161,6 +162,18 @@ void set_range(Pair& pair, const GreyImage& left, const GreyImage& right,
                                      : disparity_range(camera, options);
 }
 
+// Whether the disparities lag, and are moved.
+bool is_moved(const StereoOptions& options) {
+  return options.method == StereoMethod::kSemiGlobal && !options.eight_directions &&
+         options.subpixel.window > 0;
+}
+
+DisparityImage match(const Pair& pair, const StereoOptions& options) {
+  DisparityImage disparity = match(pair.left, pair.right, pair.range, options);
+  if (!is_moved(options)) return disparity;
+  return refined_disparity(pair.grey, pair.right_grey, disparity, options.subpixel);
+}
+
 // Refers to the images.
 Pair pair_of(const geometry::ColorImage& left, const geometry::ColorImage& right,
              const geometry::StereoCamera& camera, const StereoOptions& options) {
@@ -168,7 +181,7 @@ Pair pair_of(const geometry::ColorImage& left, const geometry::ColorImage& right
   check_images(left, right, camera.left);
   const bool colors = options.method == StereoMethod::kSemiGlobal;  // StereoBM knows none
   Pair pair{grey_of(left), {}, {}, {}, {}};
-  if (!colors || options.narrow_search) pair.right_grey = grey_of(right);
+  if (!colors || options.narrow_search || is_moved(options)) pair.right_grey = grey_of(right);
   set_range(pair, pair.grey, pair.right_grey, camera, options);
   pair.left = colors ? matrix_of(left, CV_8UC3) : matrix_of(pair.grey, CV_8UC1);
   pair.right = colors ? matrix_of(right, CV_8UC3) : matrix_of(pair.right_grey, CV_8UC1);
@@ -178,7 +191,7 @@ Pair pair_of(const geometry::ColorImage& left, const geometry::ColorImage& right
 StereoMatch match_both(const Pair& pair, const StereoOptions& options) {
   const auto& [grey, right_grey, left, right, range] = pair;
   StereoMatch result;
-  result.disparity = match(left, right, range, options);
+  result.disparity = match(pair, options);
   DisparityImage right_disparity;
   if (options.match_both_ways) right_disparity = right_disparity_of(left, right, range, options);
   result.confidence = stereo_confidence(grey, result.disparity, right_disparity);
@@ -251,7 +264,7 @@ StereoMatch match_stereo(const GreyImage& left, const GreyImage& right,
                          const geometry::StereoCamera& camera, const StereoOptions& options) {
   check_options(options);
   check_images(left, right, camera.left);
-  Pair pair{left, {}, matrix_of(left, CV_8UC1), matrix_of(right, CV_8UC1), {}};
+  Pair pair{left, right, matrix_of(left, CV_8UC1), matrix_of(right, CV_8UC1), {}};
   set_range(pair, left, right, camera, options);
   return match_both(pair, options);
 }
@@ -261,7 +274,7 @@ DisparityImage stereo_disparity(const geometry::ColorImage& left, const geometry
                                 const StereoOptions& options) {
   const Pair pair = pair_of(left, right, camera, options);
   if (options.filter || options.min_confidence > 0) return match_both(pair, options).disparity;
-  return match(pair.left, pair.right, pair.range, options);
+  return match(pair, options);
 }
 
 DisparityImage disparity_by_sgbm(const geometry::ColorImage& left,

@@ -1,0 +1,167 @@
+#include "prehend/perception/subpixel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "prehend/text/require.h"
+
+namespace prehend::perception {
+namespace {
+
+using DisparityImage = geometry::Image<float>;
+using GreyImage = geometry::Image<std::uint8_t>;
+
+constexpr double kLeastKnown = 0.9;  // of a window's pixels
+
+cv::Mat in_floats(const GreyImage& image) {
+  cv::Mat grey;
+  cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data.data()))
+      .convertTo(grey, CV_32F);
+  return grey;
+}
+
+cv::Mat window_sum(const cv::Mat& image, int window, int depth = CV_32F) {
+  cv::Mat sum;
+  cv::boxFilter(image, sum, depth, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  return sum;
+}
+
+/// A pair, and what it says of disparities.
+class Registration {
+ public:
+  Registration(const GreyImage& left, const GreyImage& right, const SubpixelOptions& options)
+      : left_(in_floats(left)), right_(in_floats(right)), options_(options) {
+    cv::Sobel(right_, slope_, CV_32F, 1, 0, 3, 1.0 / 8);  // grey levels per pixel
+  }
+
+  /// `steps`: by how much each disparity is to grow [pixels]. `misfits`: variance of what the
+  /// images differ by in the window about each pixel, with these disparities.
+  ///   right(u - d - step) ~ warped - step * gradient, which is to be left(u) but for a constant.
+  void look(const DisparityImage& disparity, cv::Mat& steps, cv::Mat& misfits) {
+    warp(disparity);
+    gradient_ = gradient_.mul(known_);
+    const cv::Mat error = (warped_ - left_).mul(known_);
+    const auto summed = [this](const cv::Mat& image) { return window_sum(image, options_.window); };
+    const cv::Mat count = summed(known_), gradients = summed(gradient_), errors = summed(error);
+    const cv::Mat slopes = summed(gradient_.mul(gradient_)), both = summed(gradient_.mul(error));
+    const cv::Mat squares = summed(error.mul(error));
+    const auto texture = static_cast<float>(options_.texture);
+    steps.create(left_.size(), CV_32F);
+    misfits.create(left_.size(), CV_32F);
+    for (int v = 0; v < left_.rows; ++v) {
+      const float *n = count.ptr<float>(v), *g = gradients.ptr<float>(v), *e = errors.ptr<float>(v),
+                  *gg = slopes.ptr<float>(v), *ge = both.ptr<float>(v), *ee = squares.ptr<float>(v);
+      float *step = steps.ptr<float>(v), *misfit = misfits.ptr<float>(v);
+      for (int u = 0; u < left_.cols; ++u) {
+        const float many = std::max(n[u], 1.0F);
+        const float variance = std::max(0.0F, gg[u] - g[u] * g[u] / many);
+        step[u] = (ge[u] - g[u] * e[u] / many) / (variance + many * texture);
+        misfit[u] = (ee[u] - e[u] * e[u] / many) / many;
+      }
+    }
+  }
+
+ private:
+  /// The right image and its gradient as the left camera would see them, were these its
+  /// disparities.
+  void warp(const DisparityImage& disparity) {
+    columns_.create(left_.size(), CV_32F);
+    rows_.create(left_.size(), CV_32F);
+    known_.create(left_.size(), CV_32F);
+    const auto last = static_cast<float>(disparity.width - 1);
+    for (int v = 0; v < disparity.height; ++v) {
+      const float* d = &disparity.at(0, v);
+      float *column = columns_.ptr<float>(v), *row = rows_.ptr<float>(v),
+            *known = known_.ptr<float>(v);
+      for (int u = 0; u < disparity.width; ++u) {
+        const float at = static_cast<float>(u) - d[u];
+        const bool is_there = at >= 0 && at <= last;  // NaN is not
+        column[u] = is_there ? at : 0.0F;
+        row[u] = static_cast<float>(v);
+        known[u] = is_there ? 1.0F : 0.0F;
+      }
+    }
+    cv::remap(right_, warped_, columns_, rows_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    cv::remap(slope_, gradient_, columns_, rows_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  }
+
+  const cv::Mat left_, right_;
+  const SubpixelOptions& options_;
+  cv::Mat slope_;                      // of the right image, along its rows
+  cv::Mat columns_, rows_;             // where in the right image each pixel is
+  cv::Mat warped_, gradient_, known_;  // known: 1 where there is such a place, else 0
+};
+
+/// Which pixels have nearly only known disparities about them, of one surface.
+std::vector<bool> on_one_surface(const DisparityImage& disparity, const SubpixelOptions& options) {
+  cv::Mat known(disparity.height, disparity.width, CV_64F), values(known.size(), CV_64F);
+  for (std::size_t i = 0; i < disparity.data.size(); ++i) {
+    const bool is_known = std::isfinite(disparity.data[i]);
+    known.ptr<double>()[i] = is_known ? 1 : 0;
+    values.ptr<double>()[i] = is_known ? static_cast<double>(disparity.data[i]) : 0;
+  }
+  const cv::Mat inside = window_sum(cv::Mat::ones(known.size(), CV_64F), options.window, CV_64F);
+  const cv::Mat count = window_sum(known, options.window, CV_64F);
+  const cv::Mat sum = window_sum(values, options.window, CV_64F);
+  const cv::Mat squares = window_sum(values.mul(values), options.window, CV_64F);
+  std::vector<bool> result(disparity.data.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const double n = count.ptr<double>()[i];
+    if (n < kLeastKnown * inside.ptr<double>()[i]) continue;
+    const double mean = sum.ptr<double>()[i] / n;
+    result[i] = squares.ptr<double>()[i] / n - mean * mean <= options.edge * options.edge;
+  }
+  return result;
+}
+
+}  // namespace
+
+void SubpixelOptions::validate() const {
+  const text::Require require{"SubpixelOptions: "};
+  require(window == 0 || (window % 2 == 1 && window >= 3 && window <= 31),
+          "window must be odd, 3..31, or 0");
+  require(iterations >= 1 && iterations <= 10, "iterations must be 1..10");
+  require(std::isfinite(most) && most > 0, "most must be positive");
+  require(std::isfinite(texture) && texture > 0, "texture must be positive");
+  require(std::isfinite(edge) && edge > 0, "edge must be positive");
+}
+
+DisparityImage refined_disparity(const GreyImage& left, const GreyImage& right,
+                                 const DisparityImage& disparity, const SubpixelOptions& options) {
+  options.validate();
+  const auto is_as_large = [&](const auto& image) {
+    return image.width == left.width && image.height == left.height;
+  };
+  if (!is_as_large(right) || !is_as_large(disparity)) {
+    throw std::invalid_argument("refined_disparity: the images differ in size");
+  }
+  if (options.window == 0 || disparity.empty()) return disparity;
+  Registration registration(left, right, options);
+  DisparityImage result = disparity;
+  const auto most = static_cast<float>(options.most);
+  cv::Mat steps, misfits, before;
+  for (int pass = 0; pass < options.iterations; ++pass) {
+    registration.look(result, steps, misfits);
+    if (pass == 0) before = misfits.clone();
+    for (std::size_t i = 0; i < result.data.size(); ++i) {
+      const float first = disparity.data[i];
+      if (!std::isfinite(first)) continue;
+      result.data[i] =
+          std::clamp(result.data[i] + steps.ptr<float>()[i], first - most, first + most);
+    }
+  }
+  registration.look(result, steps, misfits);
+  const std::vector<bool> may_move = on_one_surface(disparity, options);
+  for (std::size_t i = 0; i < result.data.size(); ++i) {
+    const bool agrees = misfits.ptr<float>()[i] <= before.ptr<float>()[i];
+    if (!agrees || !may_move[i]) result.data[i] = disparity.data[i];
+  }
+  return result;
+}
+
+}  // namespace prehend::perception

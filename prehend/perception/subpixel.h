@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include "prehend/geometry/image.h"
+
+namespace prehend::perception {
+
+/// Knobs of refined_disparity(); the time is that of `iterations` + 1 passes over the image.
+struct SubpixelOptions {
+  int window = 13;     // pixels, odd, 3..31: side of the window that agrees; 0: nothing is moved
+  int iterations = 3;  // 1..10
+  double most = 0.75;  // pixels, > 0, that a disparity moves in all
+  double texture = 1;  // (grey levels per pixel)^2, > 0: gradients' variance that counts half
+  double edge = 1;     // pixels, > 0: windows whose disparities deviate by more are of two surfaces
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// `disparity` [pixels] of the left image, each moved by less than a pixel to where a window of
+/// both images agrees best: Lucas and Kanade's step ("An iterative image registration technique",
+/// IJCAI 1981) along the row, on the right image as each pixel's own disparity shifts it, without
+/// the windows' means. Where there is little texture it moves less. Not moved are unknown
+/// disparities (NaN), those with an edge or with unknown ones in their window, and those where the
+/// images would agree less than before.
+///
+/// What it is for: OpenCV's one-pass semi-global matching sums costs from above and from the sides
+/// alone. On a surface whose disparity changes from row to row, as a table's does, its answers lag
+/// behind by some tenths of a pixel, which is millimetres of depth. What both images say of such a
+/// place does not.
+/// O(pixels), whatever the window. Deterministic.
+/// @throws std::invalid_argument for a bad option or images of different sizes.
+geometry::Image<float> refined_disparity(const geometry::Image<std::uint8_t>& left,
+                                         const geometry::Image<std::uint8_t>& right,
+                                         const geometry::Image<float>& disparity,
+                                         const SubpixelOptions& options = {});
+
+}  // namespace prehend::perception
