@@ -25,9 +25,9 @@ cv::Mat in_floats(const GreyImage& image) {
   return grey;
 }
 
-cv::Mat window_sum(const cv::Mat& image, int window, int depth = CV_32F) {
+cv::Mat window_sum(const cv::Mat& image, int window) {
   cv::Mat sum;
-  cv::boxFilter(image, sum, depth, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(image, sum, CV_32F, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
   return sum;
 }
 
@@ -39,28 +39,36 @@ class Registration {
     cv::Sobel(right_, slope_, CV_32F, 1, 0, 3, 1.0 / 8);  // grey levels per pixel
   }
 
-  /// `steps`: by how much each disparity is to grow [pixels]. `misfits`: variance of what the
-  /// images differ by in the window about each pixel, with these disparities.
+  /// `steps`: by how much each disparity is to grow [pixels]. `misfits`, where asked for: variance
+  /// of what the images differ by in the window about each pixel, with these disparities.
   ///   right(u - d - step) ~ warped - step * gradient, which is to be left(u) but for a constant.
-  void look(const DisparityImage& disparity, cv::Mat& steps, cv::Mat& misfits) {
+  void look(const DisparityImage& disparity, cv::Mat& steps, cv::Mat* misfits) {
     warp(disparity);
     gradient_ = gradient_.mul(known_);
     const cv::Mat error = (warped_ - left_).mul(known_);
     const auto summed = [this](const cv::Mat& image) { return window_sum(image, options_.window); };
     const cv::Mat count = summed(known_), gradients = summed(gradient_), errors = summed(error);
     const cv::Mat slopes = summed(gradient_.mul(gradient_)), both = summed(gradient_.mul(error));
-    const cv::Mat squares = summed(error.mul(error));
     const auto texture = static_cast<float>(options_.texture);
     steps.create(left_.size(), CV_32F);
-    misfits.create(left_.size(), CV_32F);
     for (int v = 0; v < left_.rows; ++v) {
       const float *n = count.ptr<float>(v), *g = gradients.ptr<float>(v), *e = errors.ptr<float>(v),
-                  *gg = slopes.ptr<float>(v), *ge = both.ptr<float>(v), *ee = squares.ptr<float>(v);
-      float *step = steps.ptr<float>(v), *misfit = misfits.ptr<float>(v);
+                  *gg = slopes.ptr<float>(v), *ge = both.ptr<float>(v);
+      auto* step = steps.ptr<float>(v);
       for (int u = 0; u < left_.cols; ++u) {
         const float many = std::max(n[u], 1.0F);
         const float variance = std::max(0.0F, gg[u] - g[u] * g[u] / many);
         step[u] = (ge[u] - g[u] * e[u] / many) / (variance + many * texture);
+      }
+    }
+    if (misfits == nullptr) return;
+    const cv::Mat squares = summed(error.mul(error));
+    misfits->create(left_.size(), CV_32F);
+    for (int v = 0; v < left_.rows; ++v) {
+      const float *n = count.ptr<float>(v), *e = errors.ptr<float>(v), *ee = squares.ptr<float>(v);
+      auto* misfit = misfits->ptr<float>(v);
+      for (int u = 0; u < left_.cols; ++u) {
+        const float many = std::max(n[u], 1.0F);
         misfit[u] = (ee[u] - e[u] * e[u] / many) / many;
       }
     }
@@ -99,22 +107,40 @@ class Registration {
 
 /// Which pixels have nearly only known disparities about them, of one surface.
 std::vector<bool> on_one_surface(const DisparityImage& disparity, const SubpixelOptions& options) {
-  cv::Mat known(disparity.height, disparity.width, CV_64F), values(known.size(), CV_64F);
+  cv::Mat known(disparity.height, disparity.width, CV_32F), values(known.size(), CV_32F);
+  // Less what is about the middle: single precision is enough for the rest.
+  double sum_of_all = 0;
+  std::size_t known_of_all = 0;
+  for (const float d : disparity.data) {
+    if (!std::isfinite(d)) continue;
+    sum_of_all += static_cast<double>(d);
+    ++known_of_all;
+  }
+  const auto middle =
+      static_cast<float>(sum_of_all / static_cast<double>(std::max<std::size_t>(known_of_all, 1)));
   for (std::size_t i = 0; i < disparity.data.size(); ++i) {
     const bool is_known = std::isfinite(disparity.data[i]);
-    known.ptr<double>()[i] = is_known ? 1 : 0;
-    values.ptr<double>()[i] = is_known ? static_cast<double>(disparity.data[i]) : 0;
+    known.ptr<float>()[i] = is_known ? 1.0F : 0.0F;
+    values.ptr<float>()[i] = is_known ? disparity.data[i] - middle : 0.0F;
   }
-  const cv::Mat inside = window_sum(cv::Mat::ones(known.size(), CV_64F), options.window, CV_64F);
-  const cv::Mat count = window_sum(known, options.window, CV_64F);
-  const cv::Mat sum = window_sum(values, options.window, CV_64F);
-  const cv::Mat squares = window_sum(values.mul(values), options.window, CV_64F);
+  const cv::Mat count = window_sum(known, options.window);
+  const cv::Mat sum = window_sum(values, options.window);
+  const cv::Mat squares = window_sum(values.mul(values), options.window);
+  const int half = options.window / 2;
+  const auto inside = [&](int at, int size) {  // of the window, along one axis
+    return std::min(at + half, size - 1) - std::max(at - half, 0) + 1;
+  };
+  const auto most = static_cast<float>(options.edge * options.edge);
   std::vector<bool> result(disparity.data.size());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const double n = count.ptr<double>()[i];
-    if (n < kLeastKnown * inside.ptr<double>()[i]) continue;
-    const double mean = sum.ptr<double>()[i] / n;
-    result[i] = squares.ptr<double>()[i] / n - mean * mean <= options.edge * options.edge;
+  std::size_t i = 0;
+  for (int v = 0; v < disparity.height; ++v) {
+    const double rows = inside(v, disparity.height);
+    for (int u = 0; u < disparity.width; ++u, ++i) {
+      const float n = count.ptr<float>()[i];
+      if (static_cast<double>(n) < kLeastKnown * rows * inside(u, disparity.width)) continue;
+      const float mean = sum.ptr<float>()[i] / n;
+      result[i] = squares.ptr<float>()[i] / n - mean * mean <= most;
+    }
   }
   return result;
 }
@@ -144,10 +170,9 @@ DisparityImage refined_disparity(const GreyImage& left, const GreyImage& right,
   Registration registration(left, right, options);
   DisparityImage result = disparity;
   const auto most = static_cast<float>(options.most);
-  cv::Mat steps, misfits, before;
+  cv::Mat steps, before, after;
   for (int pass = 0; pass < options.iterations; ++pass) {
-    registration.look(result, steps, misfits);
-    if (pass == 0) before = misfits.clone();
+    registration.look(result, steps, pass == 0 ? &before : nullptr);
     for (std::size_t i = 0; i < result.data.size(); ++i) {
       const float first = disparity.data[i];
       if (!std::isfinite(first)) continue;
@@ -155,10 +180,10 @@ DisparityImage refined_disparity(const GreyImage& left, const GreyImage& right,
           std::clamp(result.data[i] + steps.ptr<float>()[i], first - most, first + most);
     }
   }
-  registration.look(result, steps, misfits);
+  registration.look(result, steps, &after);
   const std::vector<bool> may_move = on_one_surface(disparity, options);
   for (std::size_t i = 0; i < result.data.size(); ++i) {
-    const bool agrees = misfits.ptr<float>()[i] <= before.ptr<float>()[i];
+    const bool agrees = after.ptr<float>()[i] <= before.ptr<float>()[i];
     if (!agrees || !may_move[i]) result.data[i] = disparity.data[i];
   }
   return result;
