@@ -145,6 +145,34 @@ std::vector<bool> on_one_surface(const DisparityImage& disparity, const Subpixel
   return result;
 }
 
+/// What was not moved moves as those in its window do that are of its surface: else faces would
+/// have a rim, as wide as half a window, that lags where the rest does not.
+void follow_neighbours(const DisparityImage& disparity, const std::vector<bool>& moved,
+                       const SubpixelOptions& options, DisparityImage& result) {
+  const int half = options.window / 2;
+  const auto near = static_cast<float>(options.edge);
+  for (int v = 0; v < disparity.height; ++v) {
+    for (int u = 0; u < disparity.width; ++u) {
+      const float d = disparity.at(u, v);
+      const auto pixel = static_cast<std::size_t>(v) * static_cast<std::size_t>(disparity.width) +
+                         static_cast<std::size_t>(u);
+      if (moved[pixel] || !std::isfinite(d)) continue;
+      float sum = 0;
+      int count = 0;
+      for (int y = std::max(v - half, 0); y <= std::min(v + half, disparity.height - 1); ++y) {
+        const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(disparity.width);
+        for (int x = std::max(u - half, 0); x <= std::min(u + half, disparity.width - 1); ++x) {
+          const std::size_t other = row + static_cast<std::size_t>(x);
+          if (!moved[other] || !(std::abs(disparity.data[other] - d) <= near)) continue;
+          sum += result.data[other] - disparity.data[other];
+          ++count;
+        }
+      }
+      if (count > 0) result.data[pixel] = d + sum / static_cast<float>(count);
+    }
+  }
+}
+
 }  // namespace
 
 void SubpixelOptions::validate() const {
@@ -181,11 +209,12 @@ DisparityImage refined_disparity(const GreyImage& left, const GreyImage& right,
     }
   }
   registration.look(result, steps, &after);
-  const std::vector<bool> may_move = on_one_surface(disparity, options);
+  std::vector<bool> moved = on_one_surface(disparity, options);
   for (std::size_t i = 0; i < result.data.size(); ++i) {
-    const bool agrees = after.ptr<float>()[i] <= before.ptr<float>()[i];
-    if (!agrees || !may_move[i]) result.data[i] = disparity.data[i];
+    moved[i] = moved[i] && after.ptr<float>()[i] <= before.ptr<float>()[i];
+    if (!moved[i]) result.data[i] = disparity.data[i];
   }
+  follow_neighbours(disparity, moved, options, result);
   return result;
 }
 

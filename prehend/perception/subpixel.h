@@ -20,9 +20,9 @@ struct SubpixelOptions {
 /// `disparity` [pixels] of the left image, each moved by less than a pixel to where a window of
 /// both images agrees best: Lucas and Kanade's step ("An iterative image registration technique",
 /// IJCAI 1981) along the row, on the right image as each pixel's own disparity shifts it, without
-/// the windows' means. Where there is little texture it moves less. Not moved are unknown
-/// disparities (NaN), those with an edge or with unknown ones in their window, and those where the
-/// images would agree less than before.
+/// the windows' means. Where there is little texture it moves less. What has an edge or unknown
+/// disparities (NaN) in its window, and where the images would agree less than before, moves as its
+/// neighbours of the same surface do, if it has any.
 ///
 /// What it is for: OpenCV's one-pass semi-global matching sums costs from above and from the sides
 /// alone. On a surface whose disparity changes from row to row, as a table's does, its answers lag

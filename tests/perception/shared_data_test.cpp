@@ -174,6 +174,20 @@ TEST_F(SharedData, ConesGroundTruth) {
   EXPECT_GT(valid / known, 0.7);
   EXPECT_LT(wrong[0] / valid, 0.07);
   EXPECT_LT(wrong[2] / valid, 0.04);
+
+  // Moved between the pixels it may not get worse by much: there are edges everywhere.
+  const DisparityImage moved = stereo_disparity(left, right, camera, options);
+  double far[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < moved.data.size(); ++i) {
+    const double true_one = truth.data[i][0] / 4.0;
+    if (truth.data[i][0] == 0 || std::isnan(moved.data[i])) continue;
+    far[0] += std::abs(static_cast<double>(moved.data[i]) - true_one) > 1;
+    far[1] += std::abs(static_cast<double>(moved.data[i]) - true_one) > 0.5;
+    far[2] += std::abs(static_cast<double>(found.data[i]) - true_one) > 0.5;
+  }
+  std::printf("moved: by more than 1 px %.2f, half a px %.2f (before %.2f) %%\n",
+              100 * far[0] / valid, 100 * far[1] / valid, 100 * far[2] / valid);
+  EXPECT_LT(far[0] / valid, 0.07);
 }
 
 }  // namespace

@@ -127,7 +127,9 @@ TEST(RefinedDisparity, LeavesWhatItCannotKnow) {
   const DisparityImage refined = refined_disparity(pair.left, pair.right, disparity);
   EXPECT_TRUE(std::isnan(refined.at(110, 110)));
   EXPECT_FALSE(std::isnan(refined.at(99, 110)));
-  for (int v = 20; v < kHeight; v += 20) EXPECT_EQ(refined.at(199, v), disparity.at(199, v));
+  for (int v = 20; v < kHeight; v += 20) {
+    EXPECT_NEAR(refined.at(199, v), 35, 0.3) << "as its own side does";
+  }
   for (std::size_t i = 0; i < refined.data.size(); ++i) {
     if (std::isfinite(refined.data[i])) {
       EXPECT_LE(std::abs(refined.data[i] - disparity.data[i]), 0.7501F);
