@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -16,7 +17,9 @@ namespace {
 using DisparityImage = geometry::Image<float>;
 using GreyImage = geometry::Image<std::uint8_t>;
 
-constexpr double kLeastKnown = 0.9;  // of a window's pixels
+constexpr float kLeastKnown = 0.9F;  // of a window's pixels
+// By how many rows one-pass matching may lag: some three on a table with little texture.
+constexpr float kMostRows = 6;
 
 cv::Mat in_floats(const GreyImage& image) {
   cv::Mat grey;
@@ -105,9 +108,11 @@ class Registration {
   cv::Mat warped_, gradient_, known_;  // known: 1 where there is such a place, else 0
 };
 
-/// Which pixels have nearly only known disparities about them, of one surface.
-std::vector<bool> on_one_surface(const DisparityImage& disparity, const SubpixelOptions& options) {
-  cv::Mat known(disparity.height, disparity.width, CV_32F), values(known.size(), CV_32F);
+/// By how much the disparity grows from row to row about each pixel [pixels]; NaN where its window
+/// has an edge or too many unknown ones.
+std::vector<float> slopes_of(const DisparityImage& disparity, const SubpixelOptions& options) {
+  cv::Mat known(disparity.height, disparity.width, CV_32F), values(known.size(), CV_32F),
+      weighted(known.size(), CV_32F);
   // Less what is about the middle: single precision is enough for the rest.
   double sum_of_all = 0;
   std::size_t known_of_all = 0;
@@ -118,28 +123,36 @@ std::vector<bool> on_one_surface(const DisparityImage& disparity, const Subpixel
   }
   const auto middle =
       static_cast<float>(sum_of_all / static_cast<double>(std::max<std::size_t>(known_of_all, 1)));
-  for (std::size_t i = 0; i < disparity.data.size(); ++i) {
-    const bool is_known = std::isfinite(disparity.data[i]);
-    known.ptr<float>()[i] = is_known ? 1.0F : 0.0F;
-    values.ptr<float>()[i] = is_known ? disparity.data[i] - middle : 0.0F;
+  const auto row_of = [&](int v) { return static_cast<float>(v - disparity.height / 2); };
+  for (int v = 0; v < disparity.height; ++v) {
+    for (int u = 0; u < disparity.width; ++u) {
+      const float d = disparity.at(u, v);
+      const bool is_known = std::isfinite(d);
+      known.at<float>(v, u) = is_known ? 1.0F : 0.0F;
+      values.at<float>(v, u) = is_known ? d - middle : 0.0F;
+      weighted.at<float>(v, u) = row_of(v) * values.at<float>(v, u);
+    }
   }
   const cv::Mat count = window_sum(known, options.window);
   const cv::Mat sum = window_sum(values, options.window);
   const cv::Mat squares = window_sum(values.mul(values), options.window);
+  const cv::Mat moments = window_sum(weighted, options.window);
   const int half = options.window / 2;
-  const auto inside = [&](int at, int size) {  // of the window, along one axis
-    return std::min(at + half, size - 1) - std::max(at - half, 0) + 1;
-  };
+  const auto first = [half](int at) { return std::max(at - half, 0); };
+  const auto last = [half](int at, int size) { return std::min(at + half, size - 1); };
   const auto most = static_cast<float>(options.edge * options.edge);
-  std::vector<bool> result(disparity.data.size());
+  std::vector<float> result(disparity.data.size(), std::numeric_limits<float>::quiet_NaN());
   std::size_t i = 0;
   for (int v = 0; v < disparity.height; ++v) {
-    const double rows = inside(v, disparity.height);
+    const auto rows = static_cast<float>(last(v, disparity.height) - first(v) + 1);
+    const float middle_row = 0.5F * (row_of(first(v)) + row_of(last(v, disparity.height)));
     for (int u = 0; u < disparity.width; ++u, ++i) {
-      const float n = count.ptr<float>()[i];
-      if (static_cast<double>(n) < kLeastKnown * rows * inside(u, disparity.width)) continue;
-      const float mean = sum.ptr<float>()[i] / n;
-      result[i] = squares.ptr<float>()[i] / n - mean * mean <= most;
+      const auto columns = static_cast<float>(last(u, disparity.width) - first(u) + 1);
+      const float n = count.ptr<float>()[i], mean = sum.ptr<float>()[i] / n;
+      if (n < kLeastKnown * rows * columns) continue;
+      if (!(squares.ptr<float>()[i] / n - mean * mean <= most)) continue;
+      // As if all were known; of equally spaced rows the variance is (rows^2 - 1) / 12.
+      result[i] = (moments.ptr<float>()[i] / n - middle_row * mean) * 12 / (rows * rows - 1);
     }
   }
   return result;
@@ -209,10 +222,14 @@ DisparityImage refined_disparity(const GreyImage& left, const GreyImage& right,
     }
   }
   registration.look(result, steps, &after);
-  std::vector<bool> moved = on_one_surface(disparity, options);
+  const std::vector<float> slopes = slopes_of(disparity, options);
+  std::vector<bool> moved(result.data.size());
   for (std::size_t i = 0; i < result.data.size(); ++i) {
-    moved[i] = moved[i] && after.ptr<float>()[i] <= before.ptr<float>()[i];
-    if (!moved[i]) result.data[i] = disparity.data[i];
+    const float farthest = kMostRows * slopes[i], d = disparity.data[i];
+    moved[i] = std::isfinite(farthest) && after.ptr<float>()[i] <= before.ptr<float>()[i];
+    result.data[i] = moved[i] ? d + std::clamp(result.data[i] - d, std::min(0.0F, farthest),
+                                               std::max(0.0F, farthest))
+                              : d;
   }
   follow_neighbours(disparity, moved, options, result);
   return result;

@@ -17,17 +17,17 @@ struct SubpixelOptions {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// `disparity` [pixels] of the left image, each moved by less than a pixel to where a window of
-/// both images agrees best: Lucas and Kanade's step ("An iterative image registration technique",
-/// IJCAI 1981) along the row, on the right image as each pixel's own disparity shifts it, without
-/// the windows' means. Where there is little texture it moves less. What has an edge or unknown
-/// disparities (NaN) in its window, and where the images would agree less than before, moves as its
-/// neighbours of the same surface do, if it has any.
+/// `disparity` [pixels] of the left image without the lag of one-pass semi-global matching.
 ///
-/// What it is for: OpenCV's one-pass semi-global matching sums costs from above and from the sides
-/// alone. On a surface whose disparity changes from row to row, as a table's does, its answers lag
-/// behind by some tenths of a pixel, which is millimetres of depth. What both images say of such a
-/// place does not.
+/// OpenCV's one pass sums costs from above and from the sides alone. On a surface whose disparity
+/// changes from row to row, as a table's does, its answers are those of some rows above: tenths of
+/// a pixel behind, which is millimetres of depth. What both images say of such a place is not.
+/// Each disparity moves by less than a pixel to where a window of both images agrees best: Lucas
+/// and Kanade's step ("An iterative image registration technique", IJCAI 1981) along the row, on
+/// the right image as each pixel's own disparity shifts it, without the windows' means. Where there
+/// is little texture it moves less; it moves forwards only, by what at most six rows make up, and
+/// not at all where the images would agree less. What has an edge or unknown disparities (NaN) in
+/// its window moves as its neighbours of the same surface do, if it has any.
 /// O(pixels), whatever the window. Deterministic.
 /// @throws std::invalid_argument for a bad option or images of different sizes.
 geometry::Image<float> refined_disparity(const geometry::Image<std::uint8_t>& left,
