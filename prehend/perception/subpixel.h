@@ -28,7 +28,8 @@ struct SubpixelOptions {
 /// is little texture it moves less; it moves forwards only, by what at most six rows make up, and
 /// not at all where the images would agree less. What has an edge or unknown disparities (NaN) in
 /// its window moves as its neighbours of the same surface do, if it has any.
-/// O(pixels), whatever the window. Deterministic.
+/// O(pixels), whatever the window, but for pixels beside edges: these look at all of theirs.
+/// Deterministic.
 /// @throws std::invalid_argument for a bad option or images of different sizes.
 geometry::Image<float> refined_disparity(const geometry::Image<std::uint8_t>& left,
                                          const geometry::Image<std::uint8_t>& right,
