@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
@@ -37,15 +38,28 @@ std::vector<std::string> merged_environment(const std::map<std::string, std::str
   return merged;
 }
 
+// Where the kernel groups tasks by session (sched(7), autogroup), the nice values within one count
+// among themselves, and the group has one of its own. Higher ones need no right. Safe after fork.
+void yield_to_others(int nice) {
+  ::setpriority(PRIO_PROCESS, 0, nice);
+  const std::array<char, 2> digits{static_cast<char>('0' + nice / 10),
+                                   static_cast<char>('0' + nice % 10)};
+  const int group = ::open("/proc/self/autogroup", O_WRONLY | O_CLOEXEC);
+  if (group < 0) return;  // it groups by something else
+  [[maybe_unused]] const ssize_t written = ::write(group, digits.data(), digits.size());
+  ::close(group);
+}
+
 // Runs between fork and exec: only calls that are safe in a child of a process with threads.
 [[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent,
-                         const cpu_set_t* cpus, int input, int output, int failure) {
+                         const cpu_set_t* cpus, int nice, int input, int output, int failure) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
-  ::setpgid(0, 0);
+  ::setsid();
   sigset_t none;
   ::sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  if (nice > 0) yield_to_others(nice);
   const bool placed = cpus == nullptr || ::sched_setaffinity(0, sizeof *cpus, cpus) == 0;
   if (placed && ::dup2(input, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
       ::dup2(output, STDERR_FILENO) >= 0) {
@@ -60,7 +74,7 @@ std::vector<std::string> merged_environment(const std::map<std::string, std::str
 
 ChildProcess::ChildProcess(const std::vector<std::string>& command,
                            const std::map<std::string, std::string>& environment,
-                           const std::vector<int>& cpus) {
+                           const ProcessorShare& share) {
   std::vector<std::string> words = command;
   std::vector<std::string> variables = merged_environment(environment);
   const std::vector<char*> arguments = pointers_to(words);
@@ -72,12 +86,14 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command,
   const pid_t parent = ::getpid();
   cpu_set_t cpu_set;
   CPU_ZERO(&cpu_set);
-  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &cpu_set);
+  for (const int cpu : share.cpus) CPU_SET(static_cast<std::size_t>(cpu), &cpu_set);
+  const int nice =
+      share.nice > 0 ? std::clamp(::getpriority(PRIO_PROCESS, 0) + share.nice, 0, 19) : 0;
   pid_ = ::fork();
   const int fork_error = errno;
   if (pid_ == 0) {
-    become(arguments.data(), environment_pointers.data(), parent, cpus.empty() ? nullptr : &cpu_set,
-           input, output[1], failure[1]);
+    become(arguments.data(), environment_pointers.data(), parent,
+           share.cpus.empty() ? nullptr : &cpu_set, nice, input, output[1], failure[1]);
   }
   ::close(input);
   ::close(output[1]);
@@ -90,7 +106,6 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command,
     if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
     throw_errno(error, "cannot start " + command.at(0));
   }
-  ::setpgid(pid_, pid_);  // also here: a signal may be sent before the child does it
   output_ = output[0];
   ::fcntl(output_, F_SETFL, O_NONBLOCK);
 }

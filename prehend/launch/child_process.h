@@ -10,17 +10,27 @@
 
 namespace prehend::launch {
 
-/// A program running as a child process, in a process group of its own, with both output streams in
-/// one pipe and no input. The kernel kills it when the thread that started it ends, so that it
-/// never outlives its parent, however that ends.
+/// Where and when a process runs.
+struct ProcessorShare {
+  std::vector<int> cpus;  ///< those it may run on; empty: all
+  int nice = 0;           ///< >= 0: added to its parent's nice value, 19 at most in all
+};
+
+/// A program running as a child process, in a session of its own, with both output streams in one
+/// pipe and no input. The kernel kills it when the thread that started it ends, so that it never
+/// outlives its parent, however that ends.
+///
+/// A session of its own, since Linux shares out processors among sessions first (sched(7),
+/// autogroup). In one session with others, drivers were seen to wait for seconds for their turn
+/// while their neighbours planned.
 class ChildProcess {
  public:
   /// `command`: executable path, then arguments. `environment` is added to this process' own.
-  /// `cpus`: those it may run on, empty: all. Throws std::system_error naming the executable when
-  /// it cannot be started. Call from a thread that lives as long as the child shall.
+  /// Throws std::system_error naming the executable when it cannot be started. Call from a thread
+  /// that lives as long as the child shall.
   ChildProcess(const std::vector<std::string>& command,
                const std::map<std::string, std::string>& environment,
-               const std::vector<int>& cpus = {});
+               const ProcessorShare& share = {});
   /// Kills the group if the child has not ended, and waits for the child.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

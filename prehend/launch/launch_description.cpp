@@ -68,6 +68,7 @@ void put_node(YAML::Emitter& out, const LaunchNode& node) {
   put(out, "remap", remaps_as_written(node));
   put(out, "environment", node.environment);
   put(out, "cpu_affinity", node.cpu_affinity);
+  if (node.nice != 0) out << YAML::Key << "nice" << YAML::Value << node.nice;
   put(out, "after", node.after);
   if (node.required) out << YAML::Key << "required" << YAML::Value << true;
   put_respawn(out, node.respawn);

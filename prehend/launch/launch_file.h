@@ -47,6 +47,7 @@ struct LaunchNode {
   std::map<std::string, std::string> remaps;            ///< from -> name in the graph
   std::map<std::string, std::string> environment;
   std::vector<int> cpu_affinity;   ///< CPUs it may run on; empty: all
+  int nice = 0;                    ///< by which it yields to others more than the launch, 0 to 19
   std::string host;                ///< name in LaunchGraph::hosts; "" when there are none
   std::string process;             ///< `compose:` nodes of one name share a process; "": its own
   std::vector<std::string> after;  ///< names of nodes that have to be ready before

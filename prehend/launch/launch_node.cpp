@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <stdexcept>
@@ -95,6 +96,13 @@ std::vector<int> cpus_of(const LaunchScope& scope, const YAML::Node& node) {
   }
   std::sort(cpus.begin(), cpus.end());
   return cpus;
+}
+
+int nice_of(const LaunchScope& scope, const YAML::Node& node) {
+  constexpr int kMostNice = 19;  // nice(1)
+  const double nice = number_of(scope, node, "nice", kMostNice, 0);
+  if (nice != std::floor(nice)) fail(scope, node, "nice must be a whole number, 0 to 19");
+  return static_cast<int>(nice);
 }
 
 Respawn respawn_of(const LaunchScope& scope, const YAML::Node& node) {
@@ -236,7 +244,7 @@ std::map<std::string, std::string> environment_of(const LaunchScope& scope,
 }  // namespace
 
 std::vector<std::string> setting_keys() {
-  return {"clock", "namespace", "host", "compose", "environment", "cpu_affinity"};
+  return {"clock", "namespace", "host", "compose", "environment", "cpu_affinity", "nice"};
 }
 
 LaunchSettings settings_of(const LaunchScope& scope, const YAML::Node& entry,
@@ -252,6 +260,7 @@ LaunchSettings settings_of(const LaunchScope& scope, const YAML::Node& entry,
     settings.environment[name] = value;
   }
   if (entry["cpu_affinity"]) settings.cpu_affinity = cpus_of(scope, entry["cpu_affinity"]);
+  if (entry["nice"]) settings.nice = nice_of(scope, entry["nice"]);
   return settings;
 }
 
@@ -282,6 +291,7 @@ LaunchNode node_of(const LaunchScope& scope, const YAML::Node& entry,
   node.process = settings.process;
   node.environment = settings.environment;
   node.cpu_affinity = settings.cpu_affinity;
+  node.nice = settings.nice;
   node.parameters = text_map_of(scope, entry["parameters"], "parameters", Values::kSingleOrLists,
                                 &node.parameter_places);
   if (!text_of(scope, entry["parameter_file"], "parameter_file").empty()) {

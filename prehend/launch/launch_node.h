@@ -10,6 +10,7 @@ struct LaunchSettings {
   std::string clock, name_space, host, process;
   std::map<std::string, std::string> environment;
   std::vector<int> cpu_affinity;
+  int nice = 0;
 };
 
 /// The keys that settings_of reads.

@@ -50,7 +50,7 @@ int LaunchRegistry::start() {
 int LaunchRegistry::listen(const std::string& endpoint) {
   process_ = std::make_unique<SupervisedProcess>(
       "registry", std::vector<std::string>{options_.registry_program, "--registry", endpoint},
-      std::map<std::string, std::string>{}, std::vector<int>{}, output_);
+      std::map<std::string, std::string>{}, ProcessorShare{}, output_);
   process_->start();
   const auto deadline = Clock::now() + kStartTime;
   while (process_->running() && Clock::now() < deadline) {

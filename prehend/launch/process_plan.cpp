@@ -20,6 +20,7 @@ void check_agreement(const LaunchNode& first, const LaunchNode& second) {
                     : !(first.respawn == second.respawn)        ? "respawn"
                     : first.environment != second.environment   ? "environment"
                     : first.cpu_affinity != second.cpu_affinity ? "cpu_affinity"
+                    : first.nice != second.nice                 ? "nice"
                                                                 : nullptr;
   if (!key) return;
   throw LaunchError(second.place + ": " + second.name + " shares the process \"" + second.process +
@@ -152,7 +153,7 @@ std::vector<LaunchProcess> processes_of(const LaunchGraph& graph, const std::str
     process.name = process_name(node);
     process.nodes = {&node};
     process.environment = node.environment;
-    process.cpu_affinity = node.cpu_affinity;
+    process.share = {node.cpu_affinity, node.nice};
     process.required = node.required;
     process.respawn = node.respawn;
     processes.push_back(std::move(process));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/launch/child_process.h"
 #include "prehend/launch/launch_file.h"
 
 namespace prehend::launch {
@@ -15,7 +16,7 @@ struct LaunchProcess {
   std::vector<const LaunchNode*> nodes;
   std::vector<std::string> command;  ///< executable first
   std::map<std::string, std::string> environment;
-  std::vector<int> cpu_affinity;   ///< empty: all CPUs
+  ProcessorShare share;
   std::vector<std::string> after;  ///< nodes of other processes that have to be ready before
   bool required = false;
   Respawn respawn;
@@ -23,8 +24,8 @@ struct LaunchProcess {
 };
 
 /// Throws LaunchError when nodes of one process contradict each other in what is the process' own
-/// (host, required, respawn, environment, cpu_affinity), when names of processes and nodes clash,
-/// and when nodes wait for each other in a circle, which is named.
+/// (host, required, respawn, environment, cpu_affinity, nice), when names of processes and nodes
+/// clash, and when nodes wait for each other in a circle, which is named.
 void check_processes(const LaunchGraph& graph);
 
 /// What is to be started on `host` ("" when the graph has no hosts), in the file's order. Points

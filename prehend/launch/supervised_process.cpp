@@ -13,7 +13,7 @@ void SupervisedProcess::start() {
   ready = succeeded = false;
   restart_at.reset();
   last_line_.clear();
-  child_ = std::make_unique<ChildProcess>(command_, environment_, cpus_);
+  child_ = std::make_unique<ChildProcess>(command_, environment_, share_);
   started_ = Clock::now();
 }
 

@@ -19,12 +19,12 @@ class SupervisedProcess {
   using Clock = std::chrono::steady_clock;
 
   SupervisedProcess(std::string name, std::vector<std::string> command,
-                    std::map<std::string, std::string> environment, std::vector<int> cpus,
+                    std::map<std::string, std::string> environment, ProcessorShare share,
                     LaunchOutput& output)
       : name_(std::move(name)),
         command_(std::move(command)),
         environment_(std::move(environment)),
-        cpus_(std::move(cpus)),
+        share_(std::move(share)),
         output_(output) {}
 
   void start();
@@ -58,7 +58,7 @@ class SupervisedProcess {
   const std::string name_;
   const std::vector<std::string> command_;
   const std::map<std::string, std::string> environment_;
-  const std::vector<int> cpus_;
+  const ProcessorShare share_;
   LaunchOutput& output_;
   std::unique_ptr<ChildProcess> child_;
   std::string partial_line_, last_line_;

@@ -99,8 +99,7 @@ class Supervisor {
       environment["PREHEND_REGISTRY"] = registry_.endpoint();
       environment["PREHEND_LAUNCH_FILE"] = graph_.file;  // a recorder keeps it
       members_.push_back(std::make_unique<Member>(Member{
-          &plan,
-          SupervisedProcess(plan.name, plan.command, environment, plan.cpu_affinity, output_),
+          &plan, SupervisedProcess(plan.name, plan.command, environment, plan.share, output_),
           std::nullopt, false}));
     }
     begun_ = Clock::now();

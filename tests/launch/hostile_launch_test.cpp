@@ -111,8 +111,8 @@ TEST_F(HostileLaunch, BytesThatAreNoText) {
 
 TEST_F(HostileLaunch, WrongTypesEverywhere) {
   const std::string node = "nodes:\n  - node: report\n    ";
-  for (const char* key :
-       {"name", "clock", "namespace", "host", "compose", "required", "if", "parameter_file"}) {
+  for (const char* key : {"name", "clock", "namespace", "host", "compose", "required", "if",
+                          "parameter_file", "nice"}) {
     EXPECT_THAT(error_of(node + key + ": [1, 2]\n"), HasSubstr("a.yaml:3: ")) << key;
   }
   for (const char* key : {"parameters", "remap", "environment"}) {

@@ -95,6 +95,7 @@ nodes:
     required: true
     namespace: /left/arm
     cpu_affinity: [0]
+    nice: 5
   - {node: report, environment: {A: "x y"}, clock: wall, after: [left_arm_world], host: cell,
      respawn: {first_delay: 0.25, longest_delay: 3}}
   - {node: grasp_planning, compose: both}
@@ -112,6 +113,7 @@ nodes:
     EXPECT_EQ(again.nodes[i].required, graph.nodes[i].required);
     EXPECT_EQ(again.nodes[i].respawn, graph.nodes[i].respawn);
     EXPECT_EQ(again.nodes[i].cpu_affinity, graph.nodes[i].cpu_affinity);
+    EXPECT_EQ(again.nodes[i].nice, graph.nodes[i].nice);
     EXPECT_EQ(again.nodes[i].host, graph.nodes[i].host);
     EXPECT_EQ(again.nodes[i].process, graph.nodes[i].process);
     EXPECT_EQ(again.nodes[i].after, graph.nodes[i].after);

@@ -49,13 +49,16 @@ groups:
   - environment: {B: "2"}
     clock: simulated
     cpu_affinity: 0
-    nodes: [{node: report}, {node: simulation, environment: {B: "3"}, cpu_affinity: []}]
+    nice: 4
+    nodes: [{node: report}, {node: simulation, environment: {B: "3"}, cpu_affinity: [], nice: 0}]
   - {if: $(off), nodes: [{node: test_other}]}
 )");
   ASSERT_EQ(graph.nodes.size(), 2u);
   EXPECT_THAT(graph.nodes[0].environment, ElementsAre(Pair("A", "1"), Pair("B", "2")));
   EXPECT_THAT(graph.nodes[0].cpu_affinity, ElementsAre(0));
   EXPECT_EQ(graph.nodes[0].clock, "simulated");
+  EXPECT_EQ(graph.nodes[0].nice, 4);
+  EXPECT_EQ(graph.nodes[1].nice, 0);
   EXPECT_THAT(graph.nodes[1].environment, ElementsAre(Pair("A", "1"), Pair("B", "3")));
   EXPECT_THAT(graph.nodes[1].cpu_affinity, ElementsAre());
   EXPECT_THAT(error_of("groups:\n  - {nmespace: /a}\n"),
@@ -89,7 +92,7 @@ nodes: [{node: report}]
 TEST_F(LaunchGroups, ContradictionsWithinAProcessAreNamedWithBothPlaces) {
   const std::string first = "nodes:\n  - {node: simulation, compose: p}\n";
   for (const char* more :
-       {"required: true", "respawn: true", "environment: {A: b}", "cpu_affinity: [0]"}) {
+       {"required: true", "respawn: true", "environment: {A: b}", "cpu_affinity: [0]", "nice: 3"}) {
     const std::string key = std::string(more).substr(0, std::string(more).find(':'));
     EXPECT_THAT(error_of(first + "  - {node: report, compose: p, " + more + "}\n"),
                 AllOf(HasSubstr("a.yaml:3"), HasSubstr("a.yaml:2"), HasSubstr("\"" + key + "\"")));
@@ -143,6 +146,10 @@ nodes: [{node: simulation}]
 TEST_F(LaunchGroups, CpusAndDelaysAreChecked) {
   EXPECT_THAT(error_of("nodes:\n  - node: report\n    cpu_affinity: [x]\n"),
               AllOf(HasSubstr("a.yaml:3"), HasSubstr("CPU numbers like [0, 1]")));
+  for (const char* bad : {"-1", "20", "2.5", "x", "nan"}) {
+    EXPECT_THAT(error_of(std::string("nodes:\n  - node: report\n    nice: ") + bad + "\n"),
+                AllOf(HasSubstr("a.yaml:3"), HasSubstr("nice")));
+  }
   const LaunchGraph graph = load("nodes: [{node: report, cpu_affinity: [1023]}]");
   EXPECT_THROW(processes_of(graph, ""), LaunchError);
   const auto respawn = [this](const std::string& text) {

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/resource.h>
+
+#include <algorithm>
 
 #include "tests/launch/supervision_fixture.h"
 
@@ -80,6 +83,13 @@ TEST_F(StartOrder, ANodeKeepsToItsCpus) {
   const auto refused = launch(node("pinned", "after: 50", "cpu_affinity: [1000]"));
   EXPECT_EQ(refused->wait(seconds(10)), 1);
   EXPECT_THAT(refused->output(), AllOf(HasSubstr("a.yaml:2"), HasSubstr("CPU 1000 is not")));
+}
+
+TEST_F(StartOrder, ANodeYieldsAsItSays) {
+  const auto program = launch(node("yields", "after: 50", "nice: 7"));
+  ASSERT_TRUE(wait_for_pids(1));
+  const int own = ::getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(::getpriority(PRIO_PROCESS, static_cast<id_t>(pids()[0])), std::min(19, own + 7));
 }
 
 TEST_F(StartOrder, WrongParametersAreNamedBeforeAnythingStarts) {
