@@ -36,6 +36,15 @@ void declare_parameters(graph::Node& node) {
                                .validate = [](const int& nodes) {
                                  return std::string(nodes % 16 == 0 ? "" : "not a multiple of 16");
                                }});
+  node.declare_parameter<double>({.name = "finest_detail",
+                                  .default_value = surface::kFinestDetail,
+                                  .unit = "m",
+                                  .minimum = 0.0,
+                                  .maximum = 0.1,
+                                  .description = "nodes of fast_poisson are no nearer to each "
+                                                 "other, points no nearer either: half a diagonal "
+                                                 "of a pad's texel; 0: as near as resolution and "
+                                                 "spacing say"});
   node.declare_parameter<double>({.name = "screening_weight",
                                   .default_value = fast.point_weight,
                                   .minimum = 0.0,
@@ -99,7 +108,7 @@ void declare_parameters(graph::Node& node) {
 
 surface::ModelOptions model_options(const graph::Node& node,
                                     const std::optional<nodes::ChosenStage>& chosen) {
-  surface::ModelOptions o;
+  surface::ModelOptions o(node.parameter<double>("finest_detail"));
   const std::string method = node.parameter<std::string>("method");
   o.surface.method = method == kPclPoisson ? surface::SurfaceMethod::kPclPoisson
                                            : surface::SurfaceMethod::kFastPoisson;

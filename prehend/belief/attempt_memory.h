@@ -29,7 +29,7 @@ struct AttemptMemoryOptions {
   EvidenceUse use = EvidenceUse::kLooks;
   BeliefOptions belief;
   LoadBeliefOptions load;
-  surface::ModelOptions model;
+  surface::ModelOptions model{0};  // all detail: of several looks more is known than of one
   double tolerance = 0.004;        // m, > 0, of a seen point on the surface that it was on before
   double least_explained = 0.8;    // share of the seen points, in (0, 1], for it to be that object
   double largest_motion = 0.12;    // m, > 0, of an object between two looks

@@ -17,7 +17,7 @@ namespace prehend::belief {
 
 struct HeldObjectOptions {
   BeliefOptions belief;
-  surface::ModelOptions model;
+  surface::ModelOptions model{0};   // all detail: of several looks more is known than of one
   HeldPrior closing{0.006, 0.12};   // of what closing and lifting did to it, before the first look
   HeldPrior holding{0.001, 0.01};   // of what turning it does, from one look to the next
   double largest_residual = 0.005;  // m, > 0, of the points of a look on those known before

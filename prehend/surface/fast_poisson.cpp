@@ -41,6 +41,7 @@ void check(const FastPoissonOptions& o) {
   };
   require(o.resolution >= 32 && o.resolution <= 256 && o.resolution % 16 == 0,
           "resolution must be a multiple of 16 in [32, 256]");
+  require(o.least_spacing >= 0 && std::isfinite(o.least_spacing), "least_spacing must be >= 0");
   require(o.scale >= 1.1 && o.scale <= 3, "scale must be in [1.1, 3]");
   require(o.point_weight >= 0 && o.point_weight <= 1e4, "point_weight must be in [0, 10000]");
   require(o.screening_iterations >= 0 && o.screening_iterations <= 100,
@@ -71,7 +72,11 @@ Lattice lattice_of(const std::vector<Eigen::Vector3f>& points_W,
   const double extent = box.sizes().maxCoeff();
   // Few points need no fine grid, and could not be spread over its nodes.
   const int enough = 16 * static_cast<int>(kNodesPerRootPoint / 16 * std::sqrt(points_W.size()));
-  const int resolution = std::clamp(enough, 32, options.resolution);
+  double most = options.resolution;
+  if (options.least_spacing > 0) {
+    most = std::min(most, 16 * std::floor(options.scale * extent / options.least_spacing / 16));
+  }
+  const int resolution = std::max(32, std::min(enough, static_cast<int>(most)));
   lattice.spacing =
       std::max(options.scale / resolution, 1.0 / (resolution - 2 * kLeastMargin)) * extent;
   // Sizes that halve well, for the coarser grids and for the Fourier transform.

@@ -16,6 +16,9 @@ struct FastPoissonOptions {
   /// Nodes along the longest side of the grid, whose spacing is scale * extent / resolution. A
   /// multiple of 16, 32..256.
   int resolution = 128;
+  /// Nodes are at least this far apart [m], as far as a multiple of 16 from 32 on along the longest
+  /// side allows; >= 0.
+  double least_spacing = 0;
   double scale = 1.25;  // longest side of the grid over the cloud's extent, in [1.1, 3]
   /// How much the points themselves count besides their normals (α of Kazhdan and Hoppe), >= 0;
   /// large for exact points, small for noisy ones.

@@ -117,6 +117,13 @@ double vote_weight(const shape::CompletedShape& other, const shape::CompletedSha
 
 }  // namespace
 
+ModelOptions::ModelOptions(double finest_detail) {
+  // Sparser points are smoothed over so much of a small ball in noise that it shrinks.
+  constexpr double kPointsOverNodes = 1.0;
+  cloud.least_spacing = kPointsOverNodes * finest_detail;
+  surface.fast_poisson.least_spacing = finest_detail;
+}
+
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                                const ModelOptions& options, double* normals_seconds) {
   return surface_of(shape, table_W, shape, options, normals_seconds);

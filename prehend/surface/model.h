@@ -9,7 +9,17 @@
 
 namespace prehend::surface {
 
+/// Half a diagonal of a texel of the tactile pads that hands carry (3.4 mm, Weiss DSA 9205) [m]:
+/// finer detail of a surface nobody feels, and what one view shows of it is mostly noise.
+inline constexpr double kFinestDetail = 0.0024;
+
 struct ModelOptions {
+  /// Nodes of fast_poisson are no nearer to each other than `finest_detail` [m], >= 0, points of
+  /// which the surface is made no nearer either; 0: as near as `resolution` and `spacing`
+  /// say. Changes nothing of large bodies, whose 128 nodes are farther apart.
+  explicit ModelOptions(double finest_detail);
+  ModelOptions() : ModelOptions(kFinestDetail) {}
+
   OrientedCloudOptions cloud;
   bool close_sides = true;              // see shape_cloud.h
   bool hollow_vessels = true;           // the same

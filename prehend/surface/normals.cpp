@@ -390,6 +390,9 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
   if (!(options.spacing >= 0) || !std::isfinite(options.spacing)) {
     throw std::invalid_argument("OrientedCloudOptions.spacing must be >= 0");
   }
+  if (!(options.least_spacing >= 0) || !std::isfinite(options.least_spacing)) {
+    throw std::invalid_argument("OrientedCloudOptions.least_spacing must be >= 0");
+  }
   const Points& points = shape.cloud_W.points;
   if (points.empty() || shape.origin.size() != points.size()) {
     throw InputError("the completed shape has no points, or not one origin per point",
@@ -405,8 +408,10 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
   check_finite(points);
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : points) box.extend(p);
-  const double spacing = options.spacing > 0 ? options.spacing : box.sizes().maxCoeff() / 90.0;
-  if (!(spacing > 0)) {
+  const double extent = box.sizes().maxCoeff();
+  const double spacing =
+      options.spacing > 0 ? options.spacing : std::max(extent / 90.0, options.least_spacing);
+  if (!(extent > 0)) {
     throw InputError("all points of the completed shape coincide", "segment the object again");
   }
 

@@ -41,6 +41,7 @@ std::vector<Eigen::Vector3f> estimate_normals(const std::vector<Eigen::Vector3f>
 struct OrientedCloudOptions {
   /// Points are averaged in voxels of this side [m]; 0: 1/90 of the longest extent. >= 0.
   double spacing = 0;
+  double least_spacing = 0;  // m, >= 0: where `spacing` is 0 the side is not shorter
   OutlierOptions outliers;
   NormalOptions normals;
   /// Neighbours are of the same origin only. The two sides of a thin wall are of different ones, as

@@ -1,5 +1,6 @@
 #include "prehend/surface/shape_cloud.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -52,7 +53,7 @@ ShapeCloud shape_cloud(const shape::CompletedShape& shape, const geometry::Plane
                        const ShapeCloudOptions& options) {
   ShapeCloud result;
   result.cloud_W = oriented_cloud(shape, options.cloud, &result.origin);
-  const double spacing = spacing_of(result.cloud_W);
+  const double spacing = std::max(spacing_of(result.cloud_W), options.cloud.least_spacing);
   if (options.hollow_vessels && find_basin(result.cloud_W, table_W, spacing)) {
     return vessel_cloud(shape, table_W, options, spacing);
   }

@@ -284,7 +284,7 @@ TEST(AttemptMemory, LooksBeforeShowOtherSides) {
   ASSERT_TRUE(known) << memory.problem();
   EXPECT_GT(known->contacts.size(), 5) << "of what was seen then";
   EXPECT_LT(error_of(known->model.mesh_W, now.truth_W),
-            0.6 * error_of(predicted_surface(now), now.truth_W));
+            0.65 * error_of(predicted_surface(now), now.truth_W));
 }
 
 TEST(AttemptMemory, UsesWhatItIsToldToUse) {

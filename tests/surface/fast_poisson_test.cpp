@@ -88,6 +88,21 @@ TEST(FastPoisson, ScreeningSharpensTheEdgesOfABox) {
   EXPECT_LT(error(16), 0.7 * error(0));
 }
 
+TEST(FastPoisson, NodesAreNoNearerThanTheLeastSpacing) {
+  const Solid ball = solids()[0];
+  const geometry::PointCloud cloud = sampled(ball.mesh, 40000);
+  const auto triangles = [&](const FastPoissonOptions& options) {
+    return fast_poisson(cloud, std::nullopt, options).mesh.triangles.size();
+  };
+  // 0.05 m of radius, 1.25 times as much for the grid: 62 nodes would be 2 mm apart, 48 are.
+  EXPECT_EQ(triangles({.least_spacing = 0.002}), triangles({.resolution = 48}));
+  EXPECT_EQ(triangles({.least_spacing = 0.0009}), triangles({}));  // 128 are farther apart
+  EXPECT_EQ(triangles({.least_spacing = 1e9}), triangles({.resolution = 32}));
+  for (const double bad : {-0.001, std::nan(""), HUGE_VAL}) {
+    EXPECT_THROW(triangles({.least_spacing = bad}), std::invalid_argument) << bad;
+  }
+}
+
 TEST(FastPoisson, OrderOfThePointsDoesNotMatter) {
   const TriangleMesh box = turned(geometry::make_box({0.06, 0.08, 0.1}));
   const geometry::PointCloud cloud = sampled(box, 5000);

@@ -149,10 +149,12 @@ class CloudExplainer {
                          "shapes",
                          model.mesh_W.triangles.size(), 100 * model.guessed_area,
                          model.convex_pieces_W.size(), model.alternatives_W.size()));
-    left_out("detail of " + name + " that the mesh has not", "spacing, resolution",
+    left_out("detail of " + name + " that the mesh has not", "spacing, resolution, finest_detail",
              model.seen_deviation, "m",
              fmt::format("{:.2f} mm, the seen points' mean distance", 1e3 * model.seen_deviation),
-             "a smooth surface through voxels");
+             fmt::format("a smooth surface through voxels, on a grid of {:.1f} mm or more: what "
+                         "is finer is between the middles of a pad's texels",
+                         1e3 * shape_.model.surface.fast_poisson.least_spacing));
     if (!shape.refused.empty()) out_.remarks.push_back(name + ": " + shape.refused);
     if (!model.substitute.empty()) out_.remarks.push_back(name + ": " + model.substitute);
     if (seen.touches_image_border) {
