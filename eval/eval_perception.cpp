@@ -20,6 +20,7 @@
 #include "eval/stereo_accuracy.h"
 #include "eval/text_files.h"
 #include "eval/view_segmentation.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/report/page.h"
 #include "prehend/shape/body_evidence.h"
@@ -126,17 +127,19 @@ struct Options {
   int scenes = 8;
   int clutter = 28;
   std::string split = "tops";
+  double least_split_width = 0;  // m
 
   perception::SegmentationOptions segmentation() const {
     perception::SegmentationOptions options;
     options.split = perception::splitting_named(split).value();
+    options.least_split_width = least_split_width;
     options.body_evidence = shape::log_odds_of_one_body;
     return options;
   }
   /// Views that were split otherwise are forgotten.
   eval::CaseRunOptions runs() const {
     eval::CaseRunOptions options = choice.runs();
-    options.setting = "split " + split;
+    options.setting = fmt::format("split {} from {} m", split, least_split_width);
     return options;
   }
 };
@@ -222,6 +225,10 @@ void add_clutter(const std::vector<eval::DataSet>& sets, const Options& options,
 }
 
 int run(const Options& options) {
+  if (options.least_split_width > 0 && options.split != "shapes") {
+    throw geometry::InputError("--least-split-width is of --split shapes, not of " + options.split,
+                               "Leave it away, or split by shapes");
+  }
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
@@ -266,6 +273,10 @@ int main(int argc, char** argv) {
       ->excludes("--meshes");
   app.add_option("--split", options.split, "what takes things apart that touch")
       ->check(CLI::IsMember({"none", "tops", "touching", "shapes"}))
+      ->capture_default_str();
+  app.add_option("--least-split-width", options.least_split_width,
+                 "of --split shapes: what is narrower across the table stays whole [m]")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -57,11 +57,13 @@ void add_scene(const RenderedScene& rendered, const simulation::StereoImages& im
   const auto start = std::chrono::steady_clock::now();
   SegmentedScene scene;
   perception::StereoMatch match;
+  perception::SegmentationOptions segmentation = knobs.segmentation;
+  segmentation.baseline = camera.baseline;
   try {
     match = perception::match_stereo(images.left, images.right, camera, knobs.stereo);
     scene =
         perception::segment(perception::cloud_from_disparity(match.disparity, camera, images.left),
-                            camera.left, rendered.scene.camera.X_WC(), knobs.segmentation);
+                            camera.left, rendered.scene.camera.X_WC(), segmentation);
     if (knobs.refine) perception::refine_masks(scene, images.left);
   } catch (const geometry::InputError&) {
     scene.objects.clear();  // no table: everything is missed

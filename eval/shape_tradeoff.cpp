@@ -56,10 +56,12 @@ std::optional<Seen> seen_by(const Case& one, const RenderedScene& rendered,
   const perception::DisparityImage disparity =
       perception::stereo_disparity(images.left, images.right, camera, options);
   seen.stereo_seconds = processor_time() - start;
+  perception::SegmentationOptions segmentation;
+  segmentation.baseline = camera.baseline;
   try {
     seen.scene =
         perception::segment(perception::cloud_from_disparity(disparity, camera, images.left),
-                            camera.left, rendered.scene.camera.X_WC());
+                            camera.left, rendered.scene.camera.X_WC(), segmentation);
   } catch (const geometry::InputError&) {
     return std::nullopt;  // no table: counted as not found
   }

@@ -44,9 +44,9 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
 }
 
 // By the parameters, or by the front.
-perception::SegmentationOptions segmentation_options(const graph::Node& node,
-                                                     const nodes::StageFidelity& fidelity) {
-  perception::SegmentationOptions options = nodes::segmentation_options(node);
+perception::SegmentationOptions segmentation_options(
+    const nodes::SegmentationParameters& parameters, const nodes::StageFidelity& fidelity) {
+  perception::SegmentationOptions options = parameters.segmentation();
   if (const auto& chosen = fidelity.chosen()) {
     fidelity::apply_seeing_setting(chosen->setting, &options);
   }
@@ -54,14 +54,15 @@ perception::SegmentationOptions segmentation_options(const graph::Node& node,
 }
 
 // A cloud without table or objects is an answer: it is published and the node stays.
-msgs::ObjectHypotheses segment(graph::Node& node, const nodes::StageFidelity& fidelity,
+msgs::ObjectHypotheses segment(const nodes::SegmentationParameters& parameters,
+                               const nodes::StageFidelity& fidelity,
                                const perception::RecordedCloud& recorded,
                                perception::RecordedWorld world, msgs::ObjectHypotheses times,
                                nodes::StageClock& clock) {
   msgs::ObjectHypotheses message;
   try {
     const perception::SegmentedScene scene = perception::segment_recorded_cloud(
-        recorded, segmentation_options(node, fidelity), nodes::table_options(node), world);
+        recorded, segmentation_options(parameters, fidelity), parameters.table(), world);
     message = convert::to_message(scene);
     if (scene.objects.empty()) {
       message.set_problem(perception::why_no_objects(scene));
@@ -87,7 +88,7 @@ void run(graph::Node& node) {
        .description = "frame of the objects: made from the table that is found, or the file's own, "
                       "as several clouds of one scene need (view_merging)",
        .read_only = true});
-  nodes::declare_segmentation_parameters(node, true);
+  const nodes::SegmentationParameters parameters(node, true);
   const nodes::StageFidelity fidelity(node, fidelity::Stage::kSeeing, {"clustering"});
   const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
   const auto seen = node.advertise<msgs::PointCloud>("/camera/cloud", graph::QoS::latched());
@@ -119,7 +120,7 @@ void run(graph::Node& node) {
     const geometry::PointCloud& cloud_C = recorded.cloud_C;
     if (cloud_C.organized() && !cloud_C.colors.empty()) seen.publish(convert::to_message(cloud_C));
     message = segment(
-        node, fidelity, recorded,
+        parameters, fidelity, recorded,
         world == "file" ? perception::RecordedWorld::kFile : perception::RecordedWorld::kTable,
         std::move(times), clock);
     for (const std::string& note : recorded.notes) message.add_notes(note);

@@ -2,7 +2,12 @@
 
 #include <string>
 
+#include "nodes/platform_source/platform_source.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/graph/node.h"
+#include "prehend/grasp/closing/widest_opening.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/shape/body_evidence.h"
 
 namespace prehend::nodes {
@@ -71,7 +76,7 @@ void declare_table_parameters(const Declarer& declarer) {
 
 }  // namespace
 
-void declare_segmentation_parameters(graph::Node& node, bool at_start) {
+SegmentationParameters::SegmentationParameters(graph::Node& node, bool at_start) : node_(node) {
   const Declarer declarer{node, at_start};
   declare_table_parameters(declarer);
   const perception::SegmentationOptions o;
@@ -105,46 +110,71 @@ void declare_segmentation_parameters(graph::Node& node, bool at_start) {
   node.declare_parameter<std::string>(
       {.name = "split",
        .default_value = "tops",
-       .choices = {"none", "tops", "touching", "shapes"},
+       .choices = {"none", "tops", "touching", "shapes", "wide"},
        .description = "what takes things apart that touch: level tops at different heights; in "
                       "clouds that are images also touching: creases between colours; shapes: "
-                      "creases where two completed shapes explain more than one",
+                      "creases where two completed shapes explain more than one; wide: as shapes, "
+                      "of what is wider across the table than the platform's hand opens",
        .read_only = at_start});
+  const auto platform = node.declare_parameter<std::string>(
+      {.name = "platform",
+       .description = "the robot that grasps what is found (stage_pg70, kr5_sdh, ...), or its "
+                      "file, for split=wide; empty: unknown",
+       .read_only = true});
+  const std::string platforms = declare_platforms(node);
+  if (!platform.empty()) {
+    const auto file = robot::platform_file(platforms, platform);
+    widest_opening_ = grasp::widest_opening(robot::read_platform(file).hand);
+  }
   declare_length(declarer, "join_gap", o.parts.join_gap,
                  "within which a floating part belongs to a larger object");
+  segmentation();  // a platform that is missing is said at the start
 }
 
-perception::TableOptions table_options(const graph::Node& node) {
+perception::TableOptions SegmentationParameters::table() const {
   perception::TableOptions o;
-  o.inlier_distance = node.parameter<double>("table.inlier_distance");
-  o.max_iterations = node.parameter<int>("table.max_iterations");
-  o.max_planes = node.parameter<int>("table.max_planes");
-  o.min_support = node.parameter<double>("table.min_support");
-  o.min_extent = node.parameter<double>("table.min_extent");
-  o.max_tilt = node.parameter<double>("table.max_tilt");
-  o.leaf_size = node.parameter<double>("table.leaf_size");
-  o.max_distance = node.parameter<double>("table.max_distance");
-  o.seed = static_cast<std::uint64_t>(node.parameter<int>("seed"));
+  o.inlier_distance = node_.parameter<double>("table.inlier_distance");
+  o.max_iterations = node_.parameter<int>("table.max_iterations");
+  o.max_planes = node_.parameter<int>("table.max_planes");
+  o.min_support = node_.parameter<double>("table.min_support");
+  o.min_extent = node_.parameter<double>("table.min_extent");
+  o.max_tilt = node_.parameter<double>("table.max_tilt");
+  o.leaf_size = node_.parameter<double>("table.leaf_size");
+  o.max_distance = node_.parameter<double>("table.max_distance");
+  o.seed = static_cast<std::uint64_t>(node_.parameter<int>("seed"));
   return o;
 }
 
-perception::SegmentationOptions segmentation_options(const graph::Node& node) {
+perception::SegmentationOptions SegmentationParameters::segmentation() const {
   perception::SegmentationOptions o;
-  o.min_height = node.parameter<double>("min_height");
-  o.max_height = node.parameter<double>("max_height");
-  o.max_distance = node.parameter<double>("max_distance");
-  o.cluster_tolerance = node.parameter<double>("cluster_tolerance");
-  o.leaf_size = node.parameter<double>("leaf_size");
-  o.min_area = node.parameter<double>("min_area");
-  o.min_object_height = node.parameter<double>("min_object_height");
-  o.hull_margin = node.parameter<double>("hull_margin");
-  o.close_radius = node.parameter<int>("close_radius");
-  o.max_objects = node.parameter<int>("max_objects");
-  o.parts.join_gap = node.parameter<double>("join_gap");
-  if (node.parameter<std::string>("clustering") == "organized") {
+  o.min_height = node_.parameter<double>("min_height");
+  o.max_height = node_.parameter<double>("max_height");
+  o.max_distance = node_.parameter<double>("max_distance");
+  o.cluster_tolerance = node_.parameter<double>("cluster_tolerance");
+  o.leaf_size = node_.parameter<double>("leaf_size");
+  o.min_area = node_.parameter<double>("min_area");
+  o.min_object_height = node_.parameter<double>("min_object_height");
+  o.hull_margin = node_.parameter<double>("hull_margin");
+  o.close_radius = node_.parameter<int>("close_radius");
+  o.max_objects = node_.parameter<int>("max_objects");
+  o.parts.join_gap = node_.parameter<double>("join_gap");
+  if (node_.parameter<std::string>("clustering") == "organized") {
     o.clustering = perception::Clustering::kOrganized;
   }
-  o.split = perception::splitting_named(node.parameter<std::string>("split")).value();
+  const auto split = node_.parameter<std::string>("split");
+  if (split == "wide") {
+    if (!widest_opening_) {
+      throw geometry::InputError("Parameter split=wide needs a platform",
+                                 "Name the robot that grasps (platform), or choose another split");
+    }
+    // Of a hand whose fingers do not face each other nothing is known to be too wide.
+    if (*widest_opening_ > 0) {
+      o.split = perception::Splitting::kShapes;
+      o.least_split_width = *widest_opening_;
+    }
+  } else {
+    o.split = perception::splitting_named(split).value();
+  }
   o.body_evidence = shape::log_odds_of_one_body;
   return o;
 }

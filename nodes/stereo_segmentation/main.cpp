@@ -53,12 +53,12 @@ class StereoSegmentation {
   explicit StereoSegmentation(graph::Node& node) : node_(node) {
     nodes::declare_stereo_parameters(node);
     declare_image_parameters(node);
-    nodes::declare_segmentation_parameters(node, false);
+    parameters_.emplace(node, false);
     fidelity_.emplace(node, fidelity::Stage::kSeeing,
                       std::vector<std::string>{"method", "eight_directions", "clustering",
                                                "binning", "narrow_search"});
     const bool takes_depth = node.parameter<std::string>("input") == "depth";
-    if (takes_depth) nodes::refuse_stereo_parameters(node);
+    nodes::refuse_idle_stereo_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
     camera_ = node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::queue(1),
                                                [this](const graph::Received<msgs::CameraInfo>& m) {
@@ -174,7 +174,7 @@ class StereoSegmentation {
   // By the parameters' values now, or by the front.
   fidelity::SeeingOptions seeing() const {
     fidelity::SeeingOptions options{node_.parameter<int>("binning"), nodes::stereo_options(node_),
-                                    nodes::segmentation_options(node_)};
+                                    parameters_->segmentation()};
     if (const auto& chosen = fidelity_->chosen()) {
       fidelity::apply_seeing_setting(chosen->setting, &options);
     }
@@ -194,7 +194,7 @@ class StereoSegmentation {
     clock.end_stage(times, "disparity");
     const geometry::PointCloud cloud_C = perception::cloud_from_disparity(disparity, camera, left);
     clock.end_stage(times, "cloud");
-    return segment(cloud_C, left, camera, clock, std::move(times));
+    return segment(cloud_C, left, camera, true, clock, std::move(times));
   }
 
   msgs::ObjectHypotheses segment(const msgs::DepthImage& message) {
@@ -216,31 +216,31 @@ class StereoSegmentation {
           "refine_masks look at",
           "Start the depth camera with colour, or leave them away");
     }
-    return segment(cloud_C, color, camera, clock, std::move(times));
+    return segment(cloud_C, color, camera, false, clock, std::move(times));
   }
 
-  // `colors` are the cloud's pixels, or empty.
+  // `colors` are the cloud's pixels, or empty. `is_matched`: by a pair of images.
   msgs::ObjectHypotheses segment(const geometry::PointCloud& cloud_C,
                                  const geometry::ColorImage& colors,
-                                 const geometry::StereoCamera& camera, nodes::StageClock& clock,
-                                 msgs::ObjectHypotheses times) {
+                                 const geometry::StereoCamera& camera, bool is_matched,
+                                 nodes::StageClock& clock, msgs::ObjectHypotheses times) {
     const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(taken_by_);
     std::optional<Eigen::Vector3d> up_C;
     if (X_WC) up_C = X_WC->linear().transpose() * Eigen::Vector3d::UnitZ();
     perception::SegmentedScene scene;
     if (node_.parameter<std::string>("background") == "dark") {
-      const perception::SegmentationOptions options = nodes::segmentation_options(node_);
+      const perception::SegmentationOptions options = parameters_->segmentation();
       perception::DarkBackgroundOptions dark;
       dark.max_distance = options.max_distance;
       dark.max_objects = options.max_objects;
       scene =
           perception::segment_on_dark_background(cloud_C, colors, camera.left, up_C, X_WC, dark);
     } else {
-      const perception::Table table =
-          perception::find_table(cloud_C, nodes::table_options(node_), up_C);
+      const perception::Table table = perception::find_table(cloud_C, parameters_->table(), up_C);
       clock.end_stage(times, "table");
-      scene =
-          perception::segment_on_table(cloud_C, camera.left, table, X_WC, seeing().segmentation);
+      perception::SegmentationOptions options = seeing().segmentation;
+      if (is_matched) options.baseline = camera.baseline;
+      scene = perception::segment_on_table(cloud_C, camera.left, table, X_WC, options);
     }
     if (node_.parameter<std::string>("world") == "table") {
       scene = perception::in_table_world(std::move(scene));
@@ -256,6 +256,7 @@ class StereoSegmentation {
   }
 
   graph::Node& node_;
+  std::optional<nodes::SegmentationParameters> parameters_;
   std::optional<nodes::StageFidelity> fidelity_;
   graph::Publisher<msgs::ObjectHypotheses> publisher_;
   std::shared_ptr<const msgs::CameraInfo> info_;

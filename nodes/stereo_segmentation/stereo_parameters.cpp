@@ -111,15 +111,27 @@ void declare_stereo_parameters(graph::Node& node) {
                 "one-pass semi_global finds is moved by less than a pixel; 0: it is not");
 }
 
-void refuse_stereo_parameters(const graph::Node& node) {
-  for (const char* name :
-       {"method", "narrow_search", "match_both_ways", "filter", "minimum_confidence",
-        "minimum_depth", "maximum_depth", "block_size", "small_step_penalty", "large_step_penalty",
-        "gradient_cap", "uniqueness_percent", "speckle_size", "speckle_range",
-        "left_right_tolerance", "eight_directions", "subpixel_window"}) {
-    if (!node.is_parameter_given(name)) continue;
+void refuse_idle_stereo_parameters(const graph::Node& node) {
+  if (node.parameter<std::string>("input") == "depth") {
+    for (const char* name :
+         {"method", "narrow_search", "match_both_ways", "filter", "minimum_confidence",
+          "minimum_depth", "maximum_depth", "block_size", "small_step_penalty",
+          "large_step_penalty", "gradient_cap", "uniqueness_percent", "speckle_size",
+          "speckle_range", "left_right_tolerance", "eight_directions", "subpixel_window"}) {
+      if (!node.is_parameter_given(name)) continue;
+      throw geometry::InputError(
+          std::string("Parameter ") + name + " is of stereo matching, and input is depth",
+          "Leave it away");
+    }
+  }
+  const bool one_pass = node.parameter<std::string>("method") == "semi_global" &&
+                        !node.parameter<bool>("eight_directions");
+  if (!one_pass && node.is_parameter_given("subpixel_window") &&
+      node.parameter<int>("subpixel_window") > 0) {
     throw geometry::InputError(
-        std::string("Parameter ") + name + " is of stereo matching, and input is depth",
+        "Parameter subpixel_window is of semi_global's one pass, and " +
+            std::string(node.parameter<bool>("eight_directions") ? "eight_directions has two"
+                                                                 : "method is block_matching"),
         "Leave it away");
   }
 }

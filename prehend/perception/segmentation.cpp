@@ -9,10 +9,12 @@
 #include <utility>
 
 #include "prehend/perception/cloud_partition.h"
+#include "prehend/perception/cut_objects.h"
 #include "prehend/perception/masks.h"
 #include "prehend/perception/mean_color.h"
 #include "prehend/perception/organized_components.h"
 #include "prehend/perception/points_over_table.h"
+#include "prehend/perception/seen_width.h"
 #include "prehend/perception/supports.h"
 #include "prehend/text/require.h"
 #include "prehend/text/told_apart.h"
@@ -44,29 +46,15 @@ void check_options(const SegmentationOptions& o) {
   require(o.min_object_height >= 0, "min_object_height must not be negative");
   require(std::isfinite(o.hull_margin), "hull_margin must be finite");
   require(o.close_radius >= 0 && o.close_radius <= 50, "close_radius must be 0..50");
+  require(std::isfinite(o.baseline) && o.baseline >= 0, "baseline must not be negative");
   require(o.max_objects > 0, "max_objects must be positive");
   require(o.split != Splitting::kShapes || o.body_evidence, "split by shapes needs body_evidence");
+  require(std::isfinite(o.least_split_width) && o.least_split_width >= 0,
+          "least_split_width must not be negative");
   require(o.parts.contact_height >= 0 && o.parts.join_gap >= 0 && o.parts.drop_height >= 0,
           "parts must not have negative lengths");
   require(o.parts.most_hue_difference >= 0 && o.parts.most_color_difference >= 0,
           "parts must not have negative differences");
-}
-
-// Higher ones are dropped: what is there may go on.
-bool is_at_max_height(const Eigen::Vector3d& p_C, const Table& table,
-                      const SegmentationOptions& options) {
-  constexpr double kStrip = 0.01;  // m
-  return table.plane_C.signed_distance(p_C) > options.max_height - kStrip;
-}
-
-// A hundredth of the points of an object that goes on over max_height, at least.
-bool is_cut_above(const PointCloud& cloud_C, const std::vector<int>& members, const Table& table,
-                  const SegmentationOptions& options) {
-  std::size_t at_top = 0;
-  for (const int i : members) {
-    at_top += is_at_max_height(cloud_C.points[i].cast<double>(), table, options);
-  }
-  return at_top > 0 && 100 * at_top >= members.size();
 }
 
 // Clusters of the points over the table: voxels and which of them are together.
@@ -148,7 +136,8 @@ class ObjectFinder {
     const ClusteredVoxels voxels = cluster(cloud_C_, points.indices, options_);
     std::vector<char> is_cut;
     for (const std::vector<int>& of_cluster : voxels.clusters) {
-      is_cut.push_back(goes_on(members_of(voxels, of_cluster)));
+      is_cut.push_back(
+          goes_on(cloud_C_, members_of(voxels, of_cluster), camera_, table_, options_));
     }
     const auto look_alike = [&](std::size_t a, std::size_t b) {
       const std::vector<int> first = members_of(voxels, voxels.clusters[a]);
@@ -193,28 +182,6 @@ class ObjectFinder {
     }
     std::sort(members.begin(), members.end());
     return members;
-  }
-
-  // Whether the cluster is cut off by the image, by max_height or by the end of the table.
-  bool goes_on(const std::vector<int>& members) const {
-    constexpr double kStrip = 0.01;  // m
-    constexpr int kFrame = 3;        // pixels
-    std::vector<Eigen::Vector3f> corners;
-    for (const Eigen::Vector3d& p : table_.hull_C) corners.push_back(p.cast<float>());
-    const PlaneOutline outline(table_.plane_C, corners);
-    std::size_t at_border = 0;
-    for (const int i : members) {
-      const Eigen::Vector3d p = cloud_C_.points[i].cast<double>();
-      bool is_border = is_at_max_height(p, table_, options_) ||
-                       !outline.contains(p, options_.hull_margin - kStrip);
-      if (cloud_C_.organized()) {
-        const int u = i % cloud_C_.width, v = i / cloud_C_.width;
-        is_border |= u < kFrame || v < kFrame || u >= cloud_C_.width - kFrame ||
-                     v >= cloud_C_.height - kFrame;
-      }
-      at_border += is_border;
-    }
-    return at_border > 0 && 100 * at_border >= members.size();
   }
 
   void take(std::vector<int> members) {
@@ -271,6 +238,10 @@ class ObjectFinder {
     std::vector<LedgePart> whole = std::move(found_.objects);
     found_.objects.clear();
     for (std::size_t k = 0; k < whole.size(); ++k) {
+      if (stays_whole(whole[k].members)) {
+        found_.objects.push_back(std::move(whole[k]));
+        continue;
+      }
       ClusterView cluster{cloud_C_, camera_, table_.plane_C, {}};
       for (const LedgePart& object : found_.objects) cluster.others.push_back(object.members);
       for (std::size_t j = k + 1; j < whole.size(); ++j) {
@@ -291,6 +262,11 @@ class ObjectFinder {
       }
     }
     sort();
+  }
+
+  bool stays_whole(const std::vector<int>& members) const {
+    if (options_.least_split_width <= 0) return false;
+    return sides_over_plane(cloud_C_, members, table_.plane_C)[0] < options_.least_split_width;
   }
 
   double length_of(const std::vector<int>& members) const {
@@ -443,7 +419,8 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
     object.cloud_W = geometry::transformed(geometry::select(cloud_C, members[k]), scene.X_WC);
     object.mask = std::move(images.masks[k]);
     object.touches_image_border = touches_border(object.mask, area, margin) ||
-                                  is_cut_above(cloud_C, members[k], table, options);
+                                  is_cut_above(cloud_C, members[k], table, options) ||
+                                  is_cut_by_right_image(cloud_C, members[k], camera, options);
     object.may_be_several = found.objects[k].may_be_several;
     scene.objects.push_back(std::move(object));
   }

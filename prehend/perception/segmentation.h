@@ -55,11 +55,18 @@ struct SegmentationOptions {
   double hull_margin = 0.02;         // m, the table's outline is widened by this much
   int close_radius = 2;              // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
+  /// m, of the stereo pair whose left image an organized cloud is: its right image ends earlier,
+  /// and cuts what stands there; >= 0; 0: of a sensor that measures all that it sees.
+  double baseline = 0;
   PartOptions parts;  // which clusters are one object
   Splitting split = Splitting::kTops;
   LedgeOptions ledges;
   SplitOptions splitting;
   BodySplitOptions body_splitting;
+  /// kShapes leaves whole what is narrower [m] than that in one direction across the table, as far
+  /// as it is seen: a hand that opens so wide may take it whether it is one body or two. >= 0; 0:
+  /// nothing.
+  double least_split_width = 0;
   BodyEvidence body_evidence;  // kShapes: shape::log_odds_of_one_body
 };
 
@@ -67,9 +74,10 @@ struct SegmentationOptions {
 /// flying ones (organized_components.h), voxel grid, Euclidean clusters, parts of one object
 /// joined, one mask each. Organized clouds give masks by pixel membership, others by projecting
 /// splats with a depth test; small holes are closed. Largest object (points) first, ids 0, 1, ...
-/// in that order. Objects cut by the image or by max_height, or hidden in part by another one are
-/// marked so; one that stands on another has that one's top as its support. What is no object is in
-/// `dropped` with the reason; no object is not an error: `objects` is empty.
+/// in that order. Objects cut by the image (of a stereo pair by either) or by max_height, or hidden
+/// in part by another one are marked so; one that stands on another has that one's top as its
+/// support. What is no object is in `dropped` with the reason; no object is not an error: `objects`
+/// is empty.
 /// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.
 /// @param X_WC pose of the camera in the world. Without it the world is made from the table:
 ///   z = table normal, x = the camera's x projected into the table, origin = centroid of the

@@ -83,6 +83,40 @@ void vary_look(double varied, RandomDraw& draw, Scene& scene) {
   scene.light.ambient += about(0.2);
 }
 
+// Whether all of it is in both images, with a frame round it.
+bool is_in_view(const TriangleMesh& mesh_B, const geometry::RigidTransform& X_WB,
+                const CameraSetup& setup) {
+  constexpr double kFrame = 0.02;  // of the image's sides
+  const geometry::PinholeCamera& left = setup.camera.left;
+  const geometry::RigidTransform X_CB = setup.X_WC().inverse() * X_WB;
+  const double frame_u = kFrame * left.width, frame_v = kFrame * left.height;
+  for (const Vector3d& p_B : mesh_B.vertices) {
+    const Vector3d p = X_CB * p_B;
+    if (!(p.z() > 0)) return false;
+    const double u = left.cx + left.fx * p.x() / p.z(), v = left.cy + left.fy * p.y() / p.z();
+    const double disparity = left.fx * setup.camera.baseline / p.z();
+    if (u - disparity < frame_u || u > left.width - frame_u || v < frame_v ||
+        v > left.height - frame_v) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// As whoever sets up a camera does.
+void step_back_until_all_is_seen(const std::vector<ClutterSolid>& solids,
+                                 const std::vector<ClutterBody>& bodies, CameraSetup& setup) {
+  constexpr double kStep = 1.03, kFarthest = 1.5;  // of the distance; beyond there is no telling
+  const Vector3d view = setup.eye - setup.target;
+  for (double scale = 1; scale < kFarthest; scale *= kStep) {
+    setup.eye = setup.target + scale * view;
+    const bool all = std::ranges::all_of(bodies, [&](const ClutterBody& body) {
+      return is_in_view(*solids.at(body.solid).mesh_B, body.X_WB, setup);
+    });
+    if (all) return;
+  }
+}
+
 // Pixels of the left image by body, counted in one of half its width and height.
 std::vector<int> label_counts(Scene scene, const std::vector<VisibleBody>& bodies) {
   geometry::PinholeCamera& left = scene.camera.camera.left;
@@ -144,6 +178,7 @@ Scene clutter_scene(const std::vector<ClutterSolid>& solids, const std::vector<C
   RandomDraw draw(seed);
   scene.camera.seed = static_cast<std::uint32_t>(draw.one_of(1u << 30));
   vary_look(varied, draw, scene);
+  step_back_until_all_is_seen(solids, bodies, scene.camera);
   for (const ClutterBody& body : bodies) {
     const ClutterSolid& solid = solids.at(body.solid);
     SceneObject object;

@@ -24,7 +24,9 @@ std::vector<ClutterSolid> read_clutter_solids(const std::filesystem::path& folde
 /// (NAME.ply; see write_clutter).
 /// @param varied 0: the camera, light and noise of Scene{}; 1: turned by up to 25 degrees round
 /// what it looks at, 12 up or down, 15 % nearer or farther, 1 to 5 grey levels of noise, light from
-/// anywhere above. In between, a share of that. @param seed of textures and of what varies.
+/// anywhere above. In between, a share of that. The camera stands farther away, up to half as far
+/// again, where one of its images would not show all of each body. @param seed of textures and of
+/// what varies.
 Scene clutter_scene(const std::vector<ClutterSolid>& solids, const std::vector<ClutterBody>& bodies,
                     const std::filesystem::path& meshes, double varied, std::uint64_t seed);
 

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "prehend/grasp/closing/finger_closing.h"
+#include "prehend/grasp/closing/widest_opening.h"
 #include "tests/grasp/hand_scene.h"
 
 namespace prehend::grasp {
@@ -402,6 +404,22 @@ TEST(CloseFingers, FingersOfTheirOwnMotorsPushNothing) {
   const TouchedMesh box(moved(geometry::make_box({0.05, 0.05, 0.06}), {0.01, 0, 0.215}));
   const ClosedFingers closed = sdh.close("parallel", kHere, box.scene);
   EXPECT_TRUE(closed.push_W.isZero());
+}
+
+// How far apart fingertips are is the hands' data sheets' to say; the pads' own is in their file.
+TEST(WidestOpening, IsOfThePreshapeThatOpensWidest) {
+  const robot::HandModel pads = robot::parallel_hand({});
+  EXPECT_EQ(widest_opening(pads), pads.gripper->max_opening);
+  for (const char* name : {"sdh2", "bh8"}) {
+    const auto model = robot::read_hand_model(std::string("config/robots/") + name + ".yaml");
+    const HandToClose hand(model);
+    const double widest = widest_opening(model);
+    for (const robot::Preshape& preshape : model.preshapes) {
+      EXPECT_GE(widest, hand_reach(hand, preshape).max_opening) << name << preshape.name;
+    }
+    EXPECT_GT(widest, 0.08) << name;
+    EXPECT_LT(widest, 0.35) << name;
+  }
 }
 
 }  // namespace

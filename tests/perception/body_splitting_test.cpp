@@ -1,6 +1,7 @@
 #include "prehend/perception/body_splitting.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "prehend/perception/seen_width.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/shape/body_evidence.h"
 
@@ -227,6 +229,43 @@ TEST(SegmentByShapes, FindsTheBodiesAndNeedsTheirEvidence) {
   EXPECT_THROW(count(), std::invalid_argument);
   options.body_evidence = shape::log_odds_of_one_body;
   EXPECT_EQ(count(), 2U);
+}
+
+TEST(SegmentByShapes, LeavesWholeWhatIsNarrow) {
+  const Seen seen({kTallBox, kCan});
+  SegmentationOptions options;
+  options.split = Splitting::kShapes;
+  options.body_evidence = shape::log_odds_of_one_body;
+  const auto count = [&](double least_width) {
+    options.least_split_width = least_width;
+    return segment(seen.cloud_C, seen.camera, seen.X_WC, options).objects.size();
+  };
+  // Of box and can 70 to 80 mm are to be seen across their row.
+  EXPECT_EQ(count(0.04), 2U);
+  EXPECT_EQ(count(0.1), 1U);
+  for (const double bad : {-0.01, std::nan("")}) EXPECT_THROW(count(bad), std::invalid_argument);
+}
+
+TEST(SidesOverPlane, AreThoseOfARectangleWhateverItsTurnAndHeight) {
+  geometry::Plane plane;
+  plane.normal = Vector3d(0.3, -0.5, 0.8).normalized();
+  const Vector3d x = plane.normal.unitOrthogonal(), y = plane.normal.cross(x);
+  for (const double turn : {0.0, 0.3, 1.2}) {
+    geometry::PointCloud cloud;
+    std::vector<int> members;
+    for (int i = 0; i <= 20; ++i) {
+      for (int j = 0; j <= 20; ++j) {
+        const Eigen::Vector2d p = Eigen::Rotation2Dd(turn) * Vector2d(0.002 * i, 0.005 * j);
+        members.push_back(static_cast<int>(cloud.points.size()));
+        cloud.points.push_back(
+            (p.x() * x + p.y() * y + 0.01 * ((i * j) % 7) * plane.normal).cast<float>());
+      }
+    }
+    cloud.points.push_back((10 * x).cast<float>());  // of another body
+    EXPECT_LT((sides_over_plane(cloud, members, plane) - Vector2d(0.04, 0.1)).norm(), 1e-5) << turn;
+    EXPECT_EQ(sides_over_plane(cloud, {members[0]}, plane).norm(), 0);
+    EXPECT_EQ(sides_over_plane(cloud, {}, plane).norm(), 0);
+  }
 }
 
 }  // namespace

@@ -206,6 +206,48 @@ TEST(Segment, ObjectAtTheBorderIsMarked) {
   EXPECT_TRUE(scene.objects[0].touches_image_border);
 }
 
+// The right one of a pair of images ends in the middle of the box that is farthest left: its other
+// half was never measured.
+TEST(Segment, WhatTheRightImageCutsIsMarked) {
+  const SyntheticView view = three_boxes();
+  const auto column = [&](const Eigen::Vector3d& p_C) {
+    return view.camera.cx + view.camera.fx * p_C.x() / p_C.z();
+  };
+  Eigen::Vector3d leftmost_C;
+  double first = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p_W :
+       {Eigen::Vector3d(-0.15, 0, 0.1), Eigen::Vector3d(0.1, 0.1, 0.07),
+        Eigen::Vector3d(0.25, -0.1, 0.04)}) {
+    const Eigen::Vector3d p_C = view.X_WC.inverse() * p_W;
+    if (column(p_C) >= first) continue;
+    first = column(p_C);
+    leftmost_C = p_C;
+  }
+  SegmentationOptions options;
+  options.baseline = first * leftmost_C.z() / view.camera.fx;
+  geometry::PointCloud cloud = render(view);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const int u = static_cast<int>(i) % cloud.width;
+    if (u - view.camera.fx * options.baseline / cloud.points[i].z() < 0)
+      cloud.points[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
+  const auto cut = [&](const SegmentationOptions& with) {
+    int marked = 0;
+    for (const ObjectHypothesis& object : segment(cloud, view.camera, view.X_WC, with).objects) {
+      if (!object.touches_image_border) continue;
+      ++marked;
+      const Eigen::Vector3d p_C =
+          view.X_WC.inverse() * object.cloud_W.points.front().cast<double>();
+      EXPECT_NEAR(column(p_C), first, 60) << "another one";
+    }
+    return marked;
+  };
+  EXPECT_EQ(cut(options), 1);
+  EXPECT_EQ(cut({}), 0) << "of a sensor that measures all that it sees";
+  options.baseline = -1;
+  EXPECT_THROW(segment(cloud, view.camera, view.X_WC, options), std::invalid_argument);
+}
+
 // A tower of 0.5 m is seen whole; what is over 0.45 m is dropped, so that its mesh would be too
 // low.
 TEST(Segment, WhatGoesOnOverMaxHeightIsMarkedAsCut) {

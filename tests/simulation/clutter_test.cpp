@@ -252,6 +252,29 @@ TEST_F(ClutterFiles, AWrittenSceneIsTheSameWhenItIsReadAndSimulated) {
   }
 }
 
+// Whoever sets up a stereo camera sees to it.
+TEST_F(ClutterFiles, BothImagesShowAllOfEachBody) {
+  const std::vector<ClutterSolid> solids = few_solids();
+  const auto seen_with_one_at = [&](double y) {
+    ClutterBody body;
+    body.name = "one";
+    body.X_WB = RigidTransform(Eigen::Translation3d(0, y, 0));
+    const CameraSetup setup = clutter_scene(solids, {body}, folder_ / "meshes", 0, 1).camera;
+    const geometry::PinholeCamera& left = setup.camera.left;
+    for (const Eigen::Vector3d& p_B : solids[body.solid].mesh_B->vertices) {
+      const Eigen::Vector3d p = setup.X_WC().inverse() * (body.X_WB * p_B);
+      EXPECT_GT(left.cx + left.fx * (p.x() - setup.camera.baseline) / p.z(), 0) << y;
+      EXPECT_LT(left.cx + left.fx * p.x() / p.z(), left.width) << y;
+    }
+    return (setup.eye - setup.target).norm();
+  };
+  const CameraSetup usual;
+  EXPECT_DOUBLE_EQ(seen_with_one_at(0), (usual.eye - usual.target).norm());
+  // Beyond the left image, and beyond the right one alone.
+  EXPECT_GT(seen_with_one_at(0.34), 1.02 * (usual.eye - usual.target).norm());
+  EXPECT_GT(seen_with_one_at(-0.27), 1.02 * (usual.eye - usual.target).norm());
+}
+
 TEST_F(ClutterFiles, FoldersThatWillNotDoAreNamedWithTheMend) {
   fs::remove_all(folder_ / "meshes");
   EXPECT_THAT(refused(), ::testing::HasSubstr("has no mesh"));
