@@ -150,6 +150,11 @@ int main(int argc, char** argv) {
          "m, how finely balls cover the robot, a fifth of it beyond meshes; the next where one "
          "leads to no path")
       ->capture_default_str();
+  app.add_option("--checkers", options.trial.checkers,
+                 "collision checkers that test the links' own shapes, each where those before it, "
+                 "balls first, led to no path; none: balls alone")
+      ->expected(0, -1)
+      ->capture_default_str();
   app.add_option("--resolution", options.trial.path.resolution,
                  "rad or m, of a search that does not sweep")
       ->capture_default_str();

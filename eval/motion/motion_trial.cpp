@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/motion/checker_registry.h"
 #include "prehend/motion/plan_path.h"
 
 namespace prehend::eval {
@@ -55,6 +56,14 @@ MotionTrials::MotionTrials(const PlanningRobot& robot, const MotionTrialOptions&
     spheres_.push_back(motion::make_robot_spheres(robot.model, robot.base, robot.tip, resolution,
                                                   &robot.may_touch));
   }
+  const motion::CheckerRegistry registry;
+  for (const std::string& name : options.checkers) {
+    checkers_.push_back(registry.create(name));
+    if (checkers_.back()) continue;
+    throw geometry::InputError("--checkers '" + name + "' tests balls, as all are tested first",
+                               "Name finer ones by --balls, or another checker");
+  }
+  if (!checkers_.empty()) shapes_ = motion::make_robot_shapes(robot.model, robot.base, robot.tip);
 }
 
 robot::Positions MotionTrials::positions_of(const std::map<std::string, double>& by_name) const {
@@ -87,15 +96,24 @@ MotionResult MotionTrials::run(const MotionProblem& problem, const motion::PathP
   const robot::Positions start = positions_of(problem.start), goal = positions_of(problem.goal);
   const motion::CollisionWorld world = world_of(problem);
   motion::JointPath path;
-  for (const motion::RobotSpheres& spheres : spheres_) {
+  const auto plan = [&](const motion::RobotSpheres& spheres,
+                        const std::shared_ptr<const motion::CollisionChecker>& checker) {
     const double begin = processor_time();
-    const motion::RobotInWorld space(chain_, spheres, world, 0);
+    motion::RobotInWorld space(chain_, spheres, world, 0);
+    if (checker) space.use_checker(checker, shapes_);
     result.set_up += processor_time() - begin;
     const double planned = processor_time();
     path = motion::plan_path(planner, space, start, {goal}, options_.path);
     result.time += processor_time() - planned;
     result.iterations += path.iterations;
+  };
+  for (const motion::RobotSpheres& spheres : spheres_) {
+    plan(spheres, nullptr);
     if (path.found()) break;
+  }
+  for (const auto& checker : checkers_) {
+    if (path.found()) break;
+    plan(spheres_.front(), checker);
   }
   result.solved = path.found();
   result.reason = path.reason;

@@ -9,6 +9,7 @@
 #include "eval/motion/planning_robot.h"
 #include "prehend/motion/path_planner.h"
 #include "prehend/motion/robot_in_world.h"
+#include "prehend/motion/robot_shapes.h"
 
 namespace prehend::eval {
 
@@ -28,6 +29,9 @@ struct MotionTrialOptions {
   motion::PathOptions path;
   /// m; the next where one does not lead to a path. Finer ones take longer to set up and to test.
   std::vector<double> ball_resolutions{0.06, 0.03, 0.015};
+  /// Of motion::CheckerRegistry, which test the links' own shapes, each where those before it did
+  /// not lead to a path.
+  std::vector<std::string> checkers{"fcl"};
   double check_step = 1.0 / 512;  // rad or m, of the oracle
 };
 
@@ -47,6 +51,8 @@ class MotionTrials {
   MotionTrialOptions options_;
   robot::KinematicChain chain_;
   std::vector<motion::RobotSpheres> spheres_;  // of each resolution
+  std::vector<motion::RobotShape> shapes_;
+  std::vector<std::shared_ptr<const motion::CollisionChecker>> checkers_;
   PathOracle oracle_;
 };
 

@@ -135,6 +135,30 @@ class Picker {
     return straight_path(scene, from, X_BT, options_.straight_step);
   }
 
+  struct Raised {
+    JointPath up;
+    std::string problem;  // what is carried touches there; "": nothing
+  };
+
+  /// Straight up from `q`, by lift_height, or by as much more as what is held needs to clear what
+  /// stands about it; by lift_height where more does not help.
+  Raised raised(const RobotInWorld& scene, const Positions& q, const RigidTransform& X_BT,
+                const RobotInWorld* carry) const {
+    constexpr double kMore = 0.05;  // m
+    constexpr int kTries = 7;
+    Raised first;
+    for (int i = 0; i < kTries; ++i) {
+      const double height = options_.lift_height + i * kMore;
+      Raised one{straight(scene, q, moved(X_BT, height * task_.up_B)), ""};
+      if (one.up.found() && carry) one.problem = carry->problem(one.up.waypoints.back());
+      if (one.up.found() && one.problem.empty()) return one;
+      const bool goes_on = one.up.found();
+      if (i == 0) first = std::move(one);
+      if (!goes_on) break;
+    }
+    return first;
+  }
+
   /// A motion for one of these grasps; false when there is none.
   bool plan_for(const std::vector<std::size_t>& tier) {
     goals_.clear();
@@ -223,18 +247,16 @@ class Picker {
       miss = {PickFilter::kPregraspTouches, 0, problem};
       return false;
     }
-    JointPath up =
-        straight(scenes_.lift(grasp, q), q, moved(grasp.X_BT, options_.lift_height * task_.up_B));
+    std::optional<RobotInWorld> carry;
+    if (is_placed()) carry.emplace(scenes_.carry(grasp));
+    auto [up, problem] = raised(scenes_.lift(grasp, q), q, grasp.X_BT, carry ? &*carry : nullptr);
     if (!up.found()) {
       miss = miss_of(PickFilter::kLift, up);
       return false;
     }
-    if (is_placed()) {
-      const std::string problem = scenes_.carry(grasp).problem(up.waypoints.back());
-      if (!problem.empty()) {
-        miss = {PickFilter::kLift, 1, "when lifted, " + problem};
-        return false;
-      }
+    if (!problem.empty()) {
+      miss = {PickFilter::kLift, 1, "when lifted, " + problem};
+      return false;
     }
     goal.approach = reversed(std::move(away.waypoints));
     goal.lift = std::move(up.waypoints);
@@ -278,13 +300,12 @@ class Picker {
         note(0, "at the place, " + sunk);
         continue;
       }
-      const RobotInWorld above = scenes_.lift(grasp, q);
-      const JointPath up = straight(above, q, moved(X_BT, options_.lift_height * task_.up_B));
+      const auto [up, problem] = raised(scenes_.lift(grasp, q), q, X_BT, &carry);
       if (!up.found()) {
         note(1 + up.completed, "on the way down, backwards, " + up.reason);
         continue;
       }
-      if (std::string problem = carry.problem(up.waypoints.back()); !problem.empty()) {
+      if (!problem.empty()) {
         note(2, "above the place, " + problem);
         continue;
       }

@@ -47,7 +47,9 @@ struct PickOptions {
   /// The trade between a grasp and its path, 0..1: so much less expected success is taken for the
   /// path that the search finds first. 0: the path decides between equal grasps only.
   double success_for_path = 0.05;
-  double lift_height = 0.1;     // m, before the carry and above the place, > 0
+  /// m, > 0, before the carry and above the place; up to 0.3 m more where what is held would else
+  /// touch what stands about it.
+  double lift_height = 0.1;
   double straight_step = 0.01;  // m, of the straight segments, > 0
   int goals = 24;               // positions above grasps that are looked for at most, >= 1
   int goals_per_grasp = 4;      // >= 1
@@ -68,7 +70,8 @@ struct PickOptions {
     visit(Knob{"budget", self.budget, "s", 0, 3600,
                "for one motion of the arm; 0: as long as it takes"});
     visit(Knob{"lift_height", self.lift_height, "m", 0.005, 2,
-               "straight up, before the carry and above the place"});
+               "straight up, before the carry and above the place; up to 0.3 m more where what is "
+               "held would touch something else"});
     visit(
         Knob{"success_for_path", self.success_for_path, "", 0, 1,
              "so much less expected success of a grasp is taken for the path that is found first"});

@@ -6,7 +6,7 @@
 namespace prehend::motion {
 namespace {
 
-constexpr double kSlack = 1e-3;  // m that what is held may come nearer on its way up
+constexpr double kSlack = 1e-3;  // m that what is held may come nearer on its way up, at least
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -41,7 +41,9 @@ RobotInWorld PickScenes::lift(const PickGrasp& grasp, const robot::Positions& q)
   RobotInWorld scene = without_;
   scene.attach(held(grasp), [&](CollisionWorld& world) {
     for (const std::string& name : world.names()) {
-      const double near = scene.held_clearance(name, q) - kSlack;
+      // Things that lie there overlap by as much as their shapes are thought too large, at least.
+      const double clearance = scene.held_clearance(name, q);
+      const double near = clearance - std::max(kSlack, -clearance);
       if (near < scene.margin()) world.set_margin(name, Part::kHeld, near);
     }
     let_hand(world);

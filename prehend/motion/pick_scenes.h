@@ -18,7 +18,8 @@ class PickScenes {
   const RobotInWorld& approach() const { return approach_; }
   /// The object moves with the hand, held as `grasp` does.
   RobotInWorld carry(const PickGrasp& grasp) const;
-  /// As carry(), but what is held may stay as near to each thing as it is at `q`.
+  /// As carry(), but what is held may stay as near to each thing as it is at `q`, and where it
+  /// overlaps with one there may do so twice as much: shapes are wrong by so much at least.
   RobotInWorld lift(const PickGrasp& grasp, const robot::Positions& q) const;
   /// The object stands at X_BO and the hand may touch it.
   RobotInWorld retreat(const geometry::RigidTransform& X_BO) const;

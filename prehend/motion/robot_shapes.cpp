@@ -15,6 +15,11 @@ ConvexBody convex_body(const CollisionShape& shape) {
   body.length = shape.length;
   if (shape.kind == CollisionShape::Kind::kSphere) body.kind = ConvexBody::Kind::kSphere;
   if (shape.kind == CollisionShape::Kind::kCylinder) body.kind = ConvexBody::Kind::kCylinder;
+  if (shape.kind == CollisionShape::Kind::kMesh) {
+    body.kind = ConvexBody::Kind::kPoints;
+    body.points = std::make_shared<const std::vector<Eigen::Vector3d>>(
+        geometry::convex_hull(shape.solid->vertices).vertices);
+  }
   return body;
 }
 
@@ -28,11 +33,6 @@ std::vector<RobotShape> make_robot_shapes(const robot::RobotModel& model, const 
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     if (!places[i]) continue;
     for (const CollisionShape& shape : model.links[i].shapes) {
-      if (shape.kind == CollisionShape::Kind::kMesh) {
-        throw geometry::InputError("Link '" + model.links[i].name + "' of robot '" + model.name +
-                                       "' has a mesh as collision shape",
-                                   "Give boxes, cylinders or spheres for it");
-      }
       result.push_back({places[i]->joint, places[i]->X_JL * shape.X_LS, convex_body(shape)});
     }
   }

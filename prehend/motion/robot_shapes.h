@@ -15,8 +15,8 @@ struct RobotShape {
   ConvexBody body;
 };
 
-/// The shapes that make_robot_spheres() covers with balls, as they are.
-/// @throws geometry::InputError for a mesh (name simple shapes for it), and as KinematicChain.
+/// The shapes that make_robot_spheres() covers with balls, as they are; of meshes the convex hulls.
+/// @throws geometry::InputError for a mesh without volume, and as KinematicChain.
 std::vector<RobotShape> make_robot_shapes(const robot::RobotModel& model, const std::string& base,
                                           const std::string& tip);
 

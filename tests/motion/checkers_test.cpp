@@ -117,6 +117,31 @@ TEST_P(CheckerNamed, KnowsDistancesInClosedForm) {
   expect_distance(box({0.2, 0.3, 0.4}), ball(0.01), at(0.01, 0.02, 0.03), -0.08);
 }
 
+// Whatever form a robot's file has for a convex shape.
+TEST_P(CheckerNamed, TakesMeshesAsTheirHulls) {
+  PickScene scene("kr5", {0.5, 0.2, 0});
+  robot::RobotModel meshes = scene.model;
+  int changed = 0;
+  for (robot::Link& link : meshes.links) {
+    for (robot::CollisionShape& shape : link.shapes) {
+      if (shape.kind != robot::CollisionShape::Kind::kBox) continue;
+      shape.kind = robot::CollisionShape::Kind::kMesh;
+      shape.solid = std::make_shared<const geometry::TriangleMesh>(geometry::make_box(shape.size));
+      ++changed;
+    }
+  }
+  ASSERT_GT(changed, 0);
+  RobotInWorld of_boxes = scene.in_world(), of_meshes = scene.in_world();
+  of_boxes.use_checker(checker, make_robot_shapes(scene.model, "base_link", "grip"));
+  of_meshes.use_checker(checker, make_robot_shapes(meshes, "base_link", "grip"));
+  int free = 0;
+  for (const Positions& q : positions(scene.chain, 300)) {
+    free += of_boxes.is_free(q);
+    EXPECT_EQ(of_meshes.is_free(q), of_boxes.is_free(q)) << of_boxes.problem(q);
+  }
+  EXPECT_GT(free, 20);
+}
+
 TEST_P(CheckerNamed, SaysWhatTouchesWhat) {
   PickScene scene("kr5", {0.5, 0.2, 0});
   RobotInWorld robot = scene.in_world();

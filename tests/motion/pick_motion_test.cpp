@@ -88,6 +88,26 @@ TEST_P(PlanPick, PicksCarriesAndPlacesAmongObstacles) {
   }
 }
 
+// Beside something as high as itself, and by what is predicted 4 mm into it: out of there at once
+// is no way, and no reason to leave it.
+TEST_P(PlanPick, WhatStandsBesideOthersIsLiftedOverThem) {
+  const auto risen = [](double gap, const char* arm) {
+    PickScene scene(arm, {0.5, 0.2, 0});
+    scene.add("beside", at(0.5, 0.2 + 0.025 + gap + 0.025, 0.055), {0.05, 0.05, 0.11});
+    scene.task.X_BO_places = {at(0.45, -0.25, 0.081)};
+    scene.grasps_from_above();
+    const PickMotion motion = plan(scene);
+    EXPECT_TRUE(motion.found()) << gap << ": " << motion.problem;
+    if (!motion.found()) return 0.0;
+    const auto& lift = motion.segments[2].waypoints;
+    return (scene.chain.forward(lift.back()).translation() -
+            scene.chain.forward(lift.front()).translation())
+        .z();
+  };
+  EXPECT_NEAR(risen(0.1, GetParam()), 0.1, 1e-6);
+  EXPECT_NEAR(risen(-0.004, GetParam()), 0.15, 1e-6);
+}
+
 // An arm that put things down at 0.7 m/s pressed with 600 N before it stood.
 TEST_P(PlanPick, StraightSegmentsKeepTheToolsSpeed) {
   const PickScene scene = cluttered(GetParam());
