@@ -139,6 +139,14 @@ std::string cause_of(const std::string& words) {
   return "other";
 }
 
+int ClearResult::graspable_cleared() const {
+  if (bodies == 0) return 0;
+  return static_cast<int>(
+      std::count_if(graspable.begin(), graspable.end(), [this](const std::string& name) {
+        return std::find(left.begin(), left.end(), name) == left.end();
+      }));
+}
+
 ClearResult run_clear(const std::filesystem::path& file, const std::string& platform,
                       const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const std::filesystem::path& programs) {
@@ -168,6 +176,7 @@ void write_clear(const std::filesystem::path& file, const ClearResult& r) {
   map["kind"] = r.kind;
   map["bodies"] = r.bodies;
   map["cleared"] = r.cleared;
+  map["graspable"] = r.graspable;
   map["found"] = r.found;
   map["attempts"] = r.attempts;
   map["neighbours"] = r.neighbours;
@@ -192,6 +201,7 @@ ClearResult read_clear(const std::filesystem::path& file) {
     r.kind = map["kind"].as<std::string>();
     r.bodies = map["bodies"].as<int>();
     r.cleared = map["cleared"].as<int>();
+    r.graspable = map["graspable"].as<std::vector<std::string>>();
     r.found = map["found"].as<int>();
     r.attempts = map["attempts"].as<int>();
     r.neighbours = map["neighbours"].as<int>();

@@ -11,18 +11,21 @@ namespace prehend::eval {
 struct ClearResult {
   std::string scene, platform, kind;
   int bodies = 0;
-  int cleared = 0;                // that stand where the task puts things
-  int found = 0;                  // objects of the first look
-  int attempts = 0;               // to lift something
-  int neighbours = 0;             // times that an attempt moved another body by more than 2 cm
-  double simulated = 0;           // s, from the first approach to the end
-  double seconds = 0;             // wall time of the launch
-  bool ended = false;             // by a result of the cycle; else it was stopped, or died
-  std::string reason;             // in words, how it ended
-  std::vector<std::string> left;  // bodies that were not cleared
+  int cleared = 0;                     // that stand where the task puts things
+  std::vector<std::string> graspable;  // of the bodies, see graspable_bodies()
+  int found = 0;                       // objects of the first look
+  int attempts = 0;                    // to lift something
+  int neighbours = 0;                  // times that an attempt moved another body by more than 2 cm
+  double simulated = 0;                // s, from the first approach to the end
+  double seconds = 0;                  // wall time of the launch
+  bool ended = false;                  // by a result of the cycle; else it was stopped, or died
+  std::string reason;                  // in words, how it ended
+  std::vector<std::string> left;       // bodies that were not cleared
   std::map<std::string, int> failures;  // failed attempts by cause, see cause_of()
   std::map<std::string, int> said;      // the same in the cycle's words
 
+  /// Of the graspable ones. What was never simulated was not cleared.
+  int graspable_cleared() const;
   double picks_an_hour() const { return simulated > 0 ? 3600 * cleared / simulated : 0; }
 };
 

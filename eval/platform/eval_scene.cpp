@@ -17,9 +17,11 @@
 #include "eval/case_choice.h"
 #include "eval/platform/clear_run.h"
 #include "eval/platform/clutter_cases.h"
+#include "eval/platform/graspable_bodies.h"
 #include "eval/platform/launched.h"
 #include "eval/text_files.h"
 #include "prehend/report/page.h"
+#include "prehend/robot/platform.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
 
@@ -53,9 +55,14 @@ std::optional<ClearResult> known_result(const fs::path& file) {
   }
 }
 
+std::string share(int some, int all) {
+  return fmt::format("{} of {} ({:.0f} %)", some, all, 100.0 * some / std::max(1, all));
+}
+
 // Sums over runs.
 struct Sum {
   int scenes = 0, ended = 0, bodies = 0, found = 0, cleared = 0, attempts = 0, neighbours = 0;
+  int graspable = 0, graspable_cleared = 0;
   double simulated = 0, seconds = 0;  // s
   std::map<std::string, int> failures;
 
@@ -65,6 +72,8 @@ struct Sum {
     bodies += r.bodies;
     found += std::min(r.found, r.bodies);
     cleared += r.cleared;
+    graspable += static_cast<int>(r.graspable.size());
+    graspable_cleared += r.graspable_cleared();
     attempts += r.attempts;
     neighbours += r.neighbours;
     simulated += r.simulated;
@@ -76,25 +85,27 @@ struct Sum {
     for (const auto& [cause, count] : failures) {
       causes += fmt::format("{}{} {}", causes.empty() ? "" : ", ", cause, count);
     }
-    return {
-        platform,
-        kind,
-        fmt::format("{}", scenes),
-        fmt::format("{} of {} ({:.0f} %)", cleared, bodies, 100.0 * cleared / std::max(1, bodies)),
-        fmt::format("{}", found),
-        cleared > 0 ? fmt::format("{:.2f}", 1.0 * attempts / cleared) : "-",
-        simulated > 0 ? fmt::format("{:.0f}", 3600 * cleared / simulated) : "-",
-        causes.empty() ? "-" : causes,
-        fmt::format("{}", neighbours),
-        fmt::format("{}", scenes - ended),
-        fmt::format("{:.1f}", seconds / std::max(1, scenes))};
+    return {platform,
+            kind,
+            fmt::format("{}", scenes),
+            share(cleared, bodies),
+            share(graspable_cleared, graspable),
+            fmt::format("{}", found),
+            cleared > 0 ? fmt::format("{:.2f}", 1.0 * attempts / cleared) : "-",
+            simulated > 0 ? fmt::format("{:.0f}", 3600 * cleared / simulated) : "-",
+            causes.empty() ? "-" : causes,
+            fmt::format("{}", neighbours),
+            fmt::format("{}", scenes - ended),
+            fmt::format("{:.1f}", seconds / std::max(1, scenes))};
   }
 };
 
-const std::vector<std::string> kHeader{
-    "platform",      "kind",    "scenes",          "cleared",          "seen in the first look",
-    "attempts each", "an hour", "failed attempts", "neighbours moved", "without an end",
-    "s a scene"};
+const std::vector<std::string> kHeader{"platform",         "kind",
+                                       "scenes",           "cleared",
+                                       "of the graspable", "seen in the first look",
+                                       "attempts each",    "an hour",
+                                       "failed attempts",  "neighbours moved",
+                                       "without an end",   "s a scene"};
 
 std::vector<std::vector<std::string>> rows_of(const std::vector<std::string>& platforms,
                                               const std::vector<ClearResult>& results) {
@@ -115,14 +126,16 @@ std::vector<std::vector<std::string>> rows_of(const std::vector<std::string>& pl
 
 std::string csv_of(const std::vector<ClearResult>& results) {
   std::string text =
-      "platform,scene,kind,bodies,found,cleared,attempts,neighbours,simulated_s,seconds,ended,"
+      "platform,scene,kind,bodies,graspable,found,cleared,graspable_cleared,attempts,neighbours,"
+      "simulated_s,seconds,ended,"
       "left,reason\n";
   for (const ClearResult& r : results) {
     std::string reason = r.reason;
     std::replace(reason.begin(), reason.end(), '"', '\'');
-    text += fmt::format("{},{},{},{},{},{},{},{},{:.1f},{:.1f},{},{},\"{}\"\n", r.platform, r.scene,
-                        r.kind, r.bodies, r.found, r.cleared, r.attempts, r.neighbours, r.simulated,
-                        r.seconds, r.ended ? 1 : 0, fmt::join(r.left, " "), reason);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.1f},{:.1f},{},{},\"{}\"\n", r.platform,
+                        r.scene, r.kind, r.bodies, r.graspable.size(), r.found, r.cleared,
+                        r.graspable_cleared(), r.attempts, r.neighbours, r.simulated, r.seconds,
+                        r.ended ? 1 : 0, fmt::join(r.left, " "), reason);
   }
   return text;
 }
@@ -152,17 +165,24 @@ void write_page(const fs::path& folder, const std::vector<std::vector<std::strin
   page.write(folder / "index.html");
 }
 
-// The scene's file, made where it is not there yet.
-fs::path scene_of(const eval::ClutterCase& one, const std::vector<simulation::ClutterSolid>& solids,
-                  const fs::path& folder) {
+// Makes the scene, and plays the task in it.
+ClearResult result_of(const Run& one, const std::vector<simulation::ClutterSolid>& solids,
+                      const std::vector<std::string>& arguments, const fs::path& folder,
+                      const fs::path& programs) {
   fs::create_directories(folder);
-  const fs::path file = folder / (one.name + ".yaml");
-  const auto bodies = simulation::drop_clutter(solids, one.options);
+  const eval::ClutterCase& clutter = *one.scene;
+  const fs::path file = folder / (clutter.name + ".yaml");
+  const auto bodies = simulation::drop_clutter(solids, clutter.options);
   const auto scene =
-      simulation::clutter_scene(solids, bodies, folder, one.varied, one.options.seed);
+      simulation::clutter_scene(solids, bodies, folder, clutter.varied, clutter.options.seed);
   simulation::write_clutter(file, solids, bodies, simulation::clutter_truth(solids, bodies, scene),
                             scene);
-  return file;
+  ClearResult result = eval::run_clear(file, one.platform, arguments, folder, programs);
+  result.kind = clutter.kind;
+  const fs::path robots = text::tree_file("config/robots");
+  result.graspable = eval::graspable_bodies(
+      solids, bodies, robot::read_platform(robot::platform_file(robots, one.platform)));
+  return result;
 }
 
 int run(const Options& options) {
@@ -192,10 +212,7 @@ int run(const Options& options) {
       [&](int i, const fs::path& file) {
         const Run& one = runs[static_cast<std::size_t>(i)];
         const fs::path folder = options.choice.out / "runs" / one.name();
-        ClearResult result = eval::run_clear(scene_of(*one.scene, solids, folder), one.platform,
-                                             arguments, folder, programs);
-        result.kind = one.scene->kind;
-        eval::write_clear(file, result);
+        eval::write_clear(file, result_of(one, solids, arguments, folder, programs));
       });
   std::vector<ClearResult> results;
   for (const std::string& name : names) {
@@ -221,7 +238,8 @@ int main(int argc, char** argv) {
       "Clears tables: things of the chosen groups are dropped until they rest, apart, touching, "
       "stacked, leaning, hidden and tumbled, 1 to 12 of them, and the launch file's task "
       "clear_table is run on each as fast as it can. Judged by the simulation's truth: what stands "
-      "where the task puts things is cleared. Scenes, recordings and reports lie below runs/ in "
+      "where the task puts things is cleared; graspable is what could be grasped if its shape were "
+      "known and it lay there alone. Scenes, recordings and reports lie below runs/ in "
       "the folder --out. A run that was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
   const std::vector<std::string> known = robot::platform_names(text::tree_file("config/robots"));

@@ -7,8 +7,10 @@
 
 #include "eval/household_objects.h"
 #include "eval/platform/clear_run.h"
+#include "eval/platform/graspable_bodies.h"
 #include "prehend/control/task.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/triangle_mesh.h"
 #include "tests/eval/temporary_folder.h"
 
 namespace prehend::eval {
@@ -50,6 +52,19 @@ TEST(ClutterSolids, AreThoseThatFitBetweenTheJaws) {
   EXPECT_THROW(clutter_solids({}, 1), geometry::InputError);
 }
 
+TEST(GraspableBodies, AreThoseThatTheRobotGraspsWhenItKnowsThem) {
+  const auto mesh = [](const Eigen::Vector3d& size) {
+    return std::make_shared<geometry::TriangleMesh>(geometry::make_box(size));
+  };
+  const std::vector<simulation::ClutterSolid> solids{{"narrow", mesh({0.04, 0.05, 0.08}), 0.1},
+                                                     {"wide", mesh({0.1, 0.12, 0.08}), 0.4}};
+  std::vector<simulation::ClutterBody> bodies{{"narrow_0", 0}, {"wide_1", 1}};
+  for (auto& body : bodies) body.X_WB.translation().z() = 0.04;
+  bodies[1].X_WB.translation().x() = 0.005;  // they need not be apart: each is alone
+  const auto robot = robot::read_platform("config/robots/stage_pg70.yaml");
+  EXPECT_EQ(graspable_bodies(solids, bodies, robot), std::vector<std::string>{"narrow_0"});
+}
+
 TEST(ClearResult, IsTheSameWhenItIsReadAgain) {
   const testing::TemporaryFolder folder;
   ClearResult result;
@@ -66,6 +81,7 @@ TEST(ClearResult, IsTheSameWhenItIsReadAgain) {
   result.ended = true;
   result.reason = "1 given up: grasp 0: \"it\"";
   result.left = {"can_1", "box_2"};
+  result.graspable = {"can_1", "can_3"};
   result.failures = {{"shape", 2}};
   write_clear(folder.path / "r.yaml", result);
   const ClearResult read = read_clear(folder.path / "r.yaml");
@@ -82,6 +98,8 @@ TEST(ClearResult, IsTheSameWhenItIsReadAgain) {
   EXPECT_EQ(read.ended, result.ended);
   EXPECT_EQ(read.reason, result.reason);
   EXPECT_EQ(read.left, result.left);
+  EXPECT_EQ(read.graspable, result.graspable);
+  EXPECT_EQ(read.graspable_cleared(), 1);
   EXPECT_EQ(read.failures, result.failures);
   EXPECT_EQ(read.said, result.said) << "none";
   EXPECT_NEAR(read.picks_an_hour(), 3600 * 4 / 120.5, 1e-9);
