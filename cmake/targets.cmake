@@ -147,19 +147,22 @@ function(prehend_quick_test NAME)
   endif()
 endfunction()
 
-# prehend_test(NAME SOURCES a_test.cpp DEPENDS ... [TIMEOUT seconds] [SHARDS n] [SERIAL] [REALTIME])
+# prehend_test(NAME SOURCES a_test.cpp DEPENDS ... [TIMEOUT seconds] [SHARDS n] [SERIAL] [REALTIME]
+#              [LAUNCHES])
 # A GoogleTest program build/bin/test_NAME and one CTest test of the same name. Tests run with the
 # source tree as working directory. Where the folder ../shared/data of real recordings exists, its
 # path is in the environment variable PREHEND_SHARED_DATA. SHARDS: n CTest tests NAME_1 ... NAME_n that
-# share the program's cases, each with TIMEOUT of its own. SERIAL: never beside another test.
+# share the program's cases, each with TIMEOUT of its own. Those with the longest begin first. SERIAL:
+# never beside another test. LAUNCHES: whole graphs, which keep all processors busy: one such at a time.
 # REALTIME: what it tests keeps pace with a clock (devices, emulators, leases), so that a machine that
 # is held up can make it late: such tests run after all others, as many at a time as there are
 # processors, and only they may run a second time.
 function(prehend_test NAME)
-  cmake_parse_arguments(ARG "SERIAL;REALTIME" "TIMEOUT;SHARDS" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;REALTIME;LAUNCHES" "TIMEOUT;SHARDS" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 120)
+    set(ARG_TIMEOUT 300)
   endif()
+  set(cost ${ARG_TIMEOUT})
   if(PREHEND_SANITIZE)
     math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")
   endif()
@@ -184,7 +187,11 @@ function(prehend_test NAME)
     endif()
     list(APPEND tests ${test})
     add_test(NAME ${test} COMMAND test_${NAME} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    set_tests_properties(${test} PROPERTIES TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${environment};${share}")
+    set_tests_properties(${test} PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${cost}
+                                             ENVIRONMENT "${environment};${share}")
+    if(ARG_LAUNCHES)
+      set_tests_properties(${test} PROPERTIES RESOURCE_LOCK launches)
+    endif()
     if(ARG_SERIAL)
       set_tests_properties(${test} PROPERTIES RUN_SERIAL ON)
     endif()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the tests of a build tree: first those that a busy machine cannot make fail, two to a
-# processor, since many of them wait; then those labelled realtime, one to a processor, which may run
+# Runs the tests of a build tree: first those that a busy machine cannot make fail, one more than
+# there are processors, since some of them wait; then those labelled realtime, one to a processor, which may run
 # a second time. Ends with what did.
 #   scripts/run-tests.sh BUILD_TREE [ctest's options]
 set -uo pipefail
@@ -9,7 +9,7 @@ shift
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-ctest --test-dir "$tree" --output-on-failure --timeout 300 -j "$((2 * $(nproc)))" -LE realtime "$@"
+ctest --test-dir "$tree" --output-on-failure --timeout 300 -j "$(($(nproc) + 1))" -LE realtime "$@"
 steady=$?
 ctest --test-dir "$tree" --output-on-failure --timeout 300 -j "$(nproc)" -L realtime --repeat until-pass:2 "$@" |
   tee "$log"

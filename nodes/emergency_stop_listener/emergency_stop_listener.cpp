@@ -34,7 +34,9 @@ std::string reason_of(std::string words) {
 
 }  // namespace
 
-EmergencyStopListener::EmergencyStopListener(graph::Node& node, bool is_minded) : node_(node) {
+EmergencyStopListener::EmergencyStopListener(graph::Node& node, bool is_minded,
+                                             std::chrono::milliseconds silence)
+    : node_(node), silence_(silence) {
   if (!is_minded) return;
   ask_ = node.client<msgs::EmergencyStopRequest, msgs::Acknowledge>("/emergency_stop/stop");
   subscription_ = node.subscribe<msgs::EmergencyStop>(
@@ -156,12 +158,12 @@ void EmergencyStopListener::look() {
   {
     const std::lock_guard lock(mutex_);
     silent_looks_ = waits_ > 0 ? 0 : silent_looks_ + 1;
-    if (silent_looks_ != kSilence / kLook || !node_.ok()) return;
+    if (silent_looks_ != silence_ / kLook || !node_.ok()) return;
     // Also where it was stopped: the one that knew why is gone, and its successor will not.
     const bool is_new = refusal_.empty();
     if (is_new) {
       refusal_ = stops = fmt::format("{}: the node emergency_stop was not heard for {} s", kStopped,
-                                     static_cast<double>(kSilence.count()) * 1e-3);
+                                     static_cast<double>(silence_.count()) * 1e-3);
     }
     is_told_ = false;
   }

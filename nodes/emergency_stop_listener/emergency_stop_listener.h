@@ -20,9 +20,9 @@ namespace prehend::nodes {
 /// stops what it moves when that says so, and refuses motions until it is reset.
 ///
 /// Where no node emergency_stop was ever heard nothing is stopped and nothing refused. Once one was
-/// heard, its silence for kSilence is a stop, too, which only a reset of the node that is there
-/// then ends. A node that was started anew, and knows nothing of the stop before, is asked to stop:
-/// a stop outlives whoever said it.
+/// heard, its silence for as long as the listener bears is a stop, too, which only a reset of the
+/// node that is there then ends. A node that was started anew, and knows nothing of the stop
+/// before, is asked to stop: a stop outlives whoever said it.
 ///
 /// Messages are taken among the node's callbacks: one that waits delays the stop by as long. It
 /// says so by a Wait, that its wait may not be taken for silence.
@@ -31,9 +31,14 @@ class EmergencyStopListener {
   /// The node repeats its word every 20 ms. Counted in looks of 20 ms, so that a process that was
   /// held up as a whole has not heard silence meanwhile.
   static constexpr std::chrono::milliseconds kSilence{300};
+  /// Of who moves nothing real: a machine that computes for many is busy for longer than that, and
+  /// what goes as fast as it can, or is moved by others, keeps no time that silence could harm.
+  static constexpr std::chrono::milliseconds kSilenceOfNothingReal{3000};
 
   /// `is_minded` false: nothing is ever refused, as somebody else minds it, who moves this by wire.
-  explicit EmergencyStopListener(graph::Node& node, bool is_minded = true);
+  /// `silence` is a multiple of 20 ms.
+  explicit EmergencyStopListener(graph::Node& node, bool is_minded = true,
+                                 std::chrono::milliseconds silence = kSilence);
   ~EmergencyStopListener();
   EmergencyStopListener(const EmergencyStopListener&) = delete;
   EmergencyStopListener& operator=(const EmergencyStopListener&) = delete;
@@ -89,6 +94,7 @@ class EmergencyStopListener {
   void look();
 
   graph::Node& node_;
+  const std::chrono::milliseconds silence_;
   graph::ServiceClient<msgs::EmergencyStopRequest, msgs::Acknowledge> ask_;
 
   mutable std::mutex mutex_;  // guards what follows

@@ -84,7 +84,7 @@ CycleNode::CycleNode(graph::Node& node)
                                                          "a view",
                                           .read_only = true}))),
       robot_(declare_robot()),
-      emergency_(node),
+      emergency_(node, true, EmergencyStopListener::kSilenceOfNothingReal),  // drivers mind theirs
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))),

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "msgs/convert/geometry.h"
 #include "prehend/control/hand_sample.h"
 
@@ -9,7 +11,9 @@ namespace prehend::nodes {
 namespace {
 
 const std::string kNotKnown = "where hand and joints are is not known";
-constexpr std::chrono::seconds kViewPatience{8};  // for an answer, which has a patience of its own
+// For answers, which have a patience of their own.
+constexpr std::chrono::seconds kLookPatience{120};  // a mesh is made, beside whatever else runs
+constexpr std::chrono::seconds kViewPatience{8};
 
 void set_pose(const belief::HandSample& hand, msgs::HandPose* message) {
   *message->mutable_x_wh() = convert::to_message(hand.X_WH);
@@ -57,16 +61,24 @@ void HeldLooks::look(const control::ArmPercepts& gripped, const control::ArmPerc
   if (!goal) return;
   goal_.send(*goal);
   asked_ = true;
+  asked_at_ = std::chrono::steady_clock::now();
+}
+
+MotionStatus HeldLooks::failed(const std::string& why) {
+  stop();
+  asked_ = false;
+  found_ = "/held/look: " + why;
+  return MotionStatus::kFailed;
 }
 
 MotionStatus HeldLooks::status() {
   if (!asked_) return MotionStatus::kFailed;
   const auto outcome = goal_.end();
-  if (!outcome) return MotionStatus::kMoving;
-  if (!outcome->ok()) {
-    found_ = "/held/look: " + outcome->error();
-    return MotionStatus::kFailed;
+  if (!outcome) {
+    if (std::chrono::steady_clock::now() - asked_at_ < kLookPatience) return MotionStatus::kMoving;
+    return failed(fmt::format("no look came within {} s", kLookPatience.count()));
   }
+  if (!outcome->ok()) return failed(outcome->error());
   found_ = (*outcome)->text();
   return (*outcome)->taken() ? MotionStatus::kReached : MotionStatus::kFailed;
 }

@@ -47,9 +47,12 @@ class HeldLooks : public control::InspectionPort {
   void stop() override { goal_.stop(); }
 
  private:
+  control::MotionStatus failed(const std::string& why);
+
   const HeldGoals& goals_;
   MotionGoal<msgs::HeldLookGoal, msgs::HeldLookFeedback, msgs::HeldLookResult> goal_;
   bool asked_ = false;
+  std::chrono::steady_clock::time_point asked_at_;
   std::string found_;
 };
 

@@ -1,5 +1,8 @@
 #include "nodes/simulation/camera.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -10,6 +13,17 @@
 #include "msgs/convert/images.h"
 
 namespace prehend::nodes {
+namespace {
+
+/// Pictures take all processors for half a second and more; the world goes on at its pace
+/// meanwhile. Linux has a nice value for each thread, which those that it starts inherit.
+void yield_to_physics() {
+  constexpr int kYield = 10;
+  const auto self = static_cast<id_t>(::gettid());
+  ::setpriority(PRIO_PROCESS, self, ::getpriority(PRIO_PROCESS, self) + kYield);
+}
+
+}  // namespace
 
 Camera::Camera(graph::Node& node, std::function<View(bool)> view, const simulation::Scene& scene,
                const simulation::RenderOptions& options, bool depth, bool carried)
@@ -50,6 +64,7 @@ void Camera::request(bool anew, bool shows_robot) {
 }
 
 void Camera::run() {
+  yield_to_physics();
   std::unique_lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [this] { return requested_ || ends_; });

@@ -35,6 +35,7 @@ struct Settings {
   std::string scene, robot, robot_home;
   std::string stage;  // the platform, where neither they nor the scene name one
   bool show_robot = true;
+  double speed = 1;
   bool paused = false;
   bool camera = true;
   bool depth = false;
@@ -137,7 +138,11 @@ Settings declare_settings(graph::Node& node) {
 class Emergencies {
  public:
   Emergencies(graph::Node& node, const Settings& settings)
-      : minded_(node), elsewhere_(node, false), settings_(settings) {}
+      : minded_(node, true,
+                settings.speed == 0 ? nodes::EmergencyStopListener::kSilenceOfNothingReal
+                                    : nodes::EmergencyStopListener::kSilence),
+        elsewhere_(node, false),
+        settings_(settings) {}
   nodes::EmergencyStopListener& of_arm() {
     return settings_.arm_is_emulated ? elsewhere_ : minded_;
   }
@@ -341,9 +346,9 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
 
 void run(graph::Node& node) {
   using namespace prehend::nodes;
-  const Settings settings = declare_settings(node);
+  Settings settings = declare_settings(node);
   graph::ClockPacer* running = nullptr;
-  const double speed = node.declare_parameter<double>(
+  settings.speed = node.declare_parameter<double>(
       {.name = "speed",
        .default_value = 1.0,
        .unit = "s/s",
@@ -369,7 +374,7 @@ void run(graph::Node& node) {
   }
 
   graph::ClockPacerOptions clock;
-  clock.speed = speed;
+  clock.speed = settings.speed;
   clock.paused = settings.paused;
   clock.slice = SimulatedRobot::slice_of(scene);
   graph::ClockPacer pacer(clock);

@@ -150,9 +150,8 @@ MotionStatus ArmCycle::motion_status() {
   if (moves_hand()) return hand_.motion();
   if (waits()) return MotionStatus::kReached;
   if (step_ == Step::kInspect) {
-    const bool looks = inspection_->status() == MotionStatus::kMoving;
-    return looks && spent() < options_.motion_timeout ? MotionStatus::kMoving
-                                                      : MotionStatus::kReached;
+    return inspection_->status() == MotionStatus::kMoving ? MotionStatus::kMoving
+                                                          : MotionStatus::kReached;
   }
   if (!refused_.empty()) return MotionStatus::kFailed;
   const std::optional<SegmentKind> kind = segment_of(step_);
@@ -183,7 +182,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   }
   if (status == MotionStatus::kMoving) {
     if (opens_onto_something()) return relieve(true);
-    if (spent() <= options_.motion_timeout) return;
+    if (step_ == Step::kInspect || spent() <= options_.motion_timeout) return;
     stop_motion();
     return fail(detail_ + " took too long");
   }
@@ -245,10 +244,7 @@ bool ArmCycle::looks_at_lift() {
     lift_view_->look(gripped_percepts_, percepts_);
     lift_looked_at_ = true;
   }
-  if (lift_view_->status() != MotionStatus::kMoving) return false;
-  if (spent() < options_.motion_timeout) return true;
-  lift_view_->stop();
-  return false;
+  return lift_view_->status() == MotionStatus::kMoving;
 }
 
 double ArmCycle::contact_force_down() const {

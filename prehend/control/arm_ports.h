@@ -76,8 +76,10 @@ class InspectionPort {
   /// What was gripped when `gripped` was perceived stands still before the camera `now`: look at
   /// it.
   virtual void look(const ArmPercepts& gripped, const ArmPercepts& now) = 0;
-  virtual MotionStatus status() = 0;  // of the last look; kMoving: it goes on
-  virtual std::string found() = 0;    // by that, in words: what is known now, or why it failed
+  /// Of the last look. kMoving: it goes on, while hand and arm stand; not for ever, which is this
+  /// port's to see to: a look is computed, and takes as long however fast the percepts' time runs.
+  virtual MotionStatus status() = 0;
+  virtual std::string found() = 0;  // by that, in words: what is known now, or why it failed
   virtual void stop() = 0;
 };
 

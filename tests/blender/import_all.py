@@ -1,4 +1,5 @@
-"""Every robot that `prehend model` reads goes through the editor and comes out the same."""
+"""Every third robot that `prehend model` reads (with PREHEND_THOROUGH_TESTS in the environment every
+one) goes through the editor and comes out the same."""
 
 import json
 import os
@@ -43,10 +44,11 @@ def differences(one, other, path=""):
 
 def main():
     shared = pathlib.Path(ARGUMENTS[0])
+    step = 1 if os.environ.get("PREHEND_THOROUGH_TESTS") else 3
     seconds, count, meshes, unread = 0.0, 0, 0, set()
     with tempfile.TemporaryDirectory() as folder:
         again = pathlib.Path(folder) / "again.robot.json"
-        for file in robots(shared):
+        for file in list(robots(shared))[::step]:
             read = pathlib.Path(folder) / "read.robot.json"
             code, _ = program.run("model", "convert", file, read)
             if code != 0:
@@ -72,7 +74,7 @@ def main():
             count += 1
     print(f"{count} robots with {meshes} shapes that are seen, {seconds:.1f} s")
     print("kept by their names alone:", *sorted(unread), sep="\n  ")
-    assert count >= 50
+    assert count >= 50 // step
 
 
 main()

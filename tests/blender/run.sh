@@ -17,5 +17,5 @@ if [ "$script" = import_all.py ] && ! [ -d "$1/models" ]; then
 fi
 home=$(mktemp -d) || exit 1 # its preferences are nobody's
 trap 'rm -rf "$home"' EXIT
-HOME=$home timeout -k 5 220 "$blender" -b --factory-startup --python-exit-code 1 \
+HOME=$home timeout -k 5 600 "$blender" -b --factory-startup --python-exit-code 1 \
   --python "$folder/$script" -- "$@"

@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Answers each look after so many steps, as `says` of it.
+/// Answers each look after `lasts` steps, as `says` of it.
 struct FakeInspection : InspectionPort {
   void look(const ArmPercepts& gripped, const ArmPercepts& now) override {
     looked_at.push_back(now.positions[0]);
@@ -23,7 +23,7 @@ struct FakeInspection : InspectionPort {
     asked = 0;
   }
   MotionStatus status() override {
-    if (++asked < 5) return MotionStatus::kMoving;
+    if (++asked < lasts) return MotionStatus::kMoving;
     const auto found_status = says.find(looked_at.size());
     return found_status == says.end() ? MotionStatus::kReached : found_status->second;
   }
@@ -31,7 +31,7 @@ struct FakeInspection : InspectionPort {
   void stop() override { ++stops; }
   std::vector<double> looked_at, gripped_at;  // of the arm's joint
   std::map<std::size_t, MotionStatus> says;   // of the n-th look
-  int asked = 0, stops = 0;
+  int asked = 0, stops = 0, lasts = 5;
 };
 
 ArmGrasp grasp_with_views() {
@@ -62,7 +62,21 @@ TEST(InspectTask, ShowsEachViewAndComesBack) {
 TEST(InspectTask, ALookThatFailsIsNoFailedAttempt) {
   Fakes f;
   FakeInspection inspection;
-  inspection.says = {{1, MotionStatus::kFailed}, {3, MotionStatus::kMoving}};
+  inspection.says = {{1, MotionStatus::kFailed}, {3, MotionStatus::kFailed}};
+  ArmCycle cycle(doing(task_named("inspect"), {}), f.arm, f.hand);
+  cycle.inspect_by(inspection);
+  cycle.start({grasp_with_views()});
+  f.run(cycle, 8000);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+  EXPECT_THAT(cycle.result().reason, HasSubstr("seen from 1 of 3 sides"));
+}
+
+// It is computed: the graph's time may run fast meanwhile, and says nothing.
+TEST(InspectTask, ALookMayTakeLongerThanAMotion) {
+  Fakes f;
+  FakeInspection inspection;
+  inspection.lasts = 1000;
   ArmCycleOptions options = doing(task_named("inspect"), {});
   options.motion_timeout = 3;
   ArmCycle cycle(options, f.arm, f.hand);
@@ -70,28 +84,24 @@ TEST(InspectTask, ALookThatFailsIsNoFailedAttempt) {
   cycle.start({grasp_with_views()});
   f.run(cycle, 8000);
   EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
-  EXPECT_EQ(cycle.result().attempts, 1);
-  EXPECT_THAT(cycle.result().reason, HasSubstr("seen from 1 of 3 sides"));
-  EXPECT_EQ(inspection.stops, 1) << "who does not answer is asked no more";
+  EXPECT_THAT(cycle.result().reason, HasSubstr("seen from 3 of 3 sides"));
+  EXPECT_EQ(inspection.stops, 0);
 }
 
 // It stands where the lift has ended until it was looked at; what comes of it changes nothing.
 TEST(LiftView, IsWaitedForAndChangesNothing) {
-  for (const MotionStatus says :
-       {MotionStatus::kReached, MotionStatus::kFailed, MotionStatus::kMoving}) {
+  for (const MotionStatus says : {MotionStatus::kReached, MotionStatus::kFailed}) {
     Fakes f;
     FakeInspection view;
     view.says = {{1, says}};
-    ArmCycleOptions options = doing(task_named("pick_and_place"), {});
-    options.motion_timeout = 3;
-    ArmCycle cycle(options, f.arm, f.hand);
+    ArmCycle cycle(doing(task_named("pick_and_place"), {}), f.arm, f.hand);
     cycle.view_lifts_by(view);
     cycle.start({fake_grasp()});
     f.run(cycle, 8000);
     EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     EXPECT_THAT(view.looked_at, ElementsAre(3)) << "where the lift ends, once";
     EXPECT_THAT(view.gripped_at, ElementsAre(2));
-    EXPECT_EQ(view.stops, says == MotionStatus::kMoving ? 1 : 0);
+    EXPECT_EQ(view.stops, 0);
   }
 }
 

@@ -231,5 +231,22 @@ TEST_F(BadInput, LaunchFileWithAParameterNobodyDeclares) {
   expect_failure({file}, {"orientatoins", "orientations"});
 }
 
+TEST_F(BadInput, AParameterThatWouldDoNothing) {
+  for (const std::string other : {"method: block_matching", "eight_directions: true"}) {
+    const std::string file = write("p.yaml",
+                                   "nodes:\n  - node: stereo_segmentation\n    required: true\n"
+                                   "    parameters: {subpixel_window: 9, " +
+                                       other + "}\n");
+    expect_failure({file}, {"subpixel_window", other.substr(0, other.find(':')), "Leave it away"});
+  }
+}
+
+TEST_F(BadInput, SplittingByAHandThatNobodyNamed) {
+  const std::string file = write("p.yaml",
+                                 "nodes:\n  - node: stereo_segmentation\n    required: true\n"
+                                 "    parameters: {split: wide}\n");
+  expect_failure({file}, {"split=wide", "platform"});
+}
+
 }  // namespace
 }  // namespace prehend::testing

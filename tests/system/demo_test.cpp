@@ -82,6 +82,11 @@ std::vector<msgs::GraspPlan> plans_by_object(const Recording& recording) {
   std::map<std::uint32_t, msgs::GraspPlan> by_id;
   for (auto& plan : decode_all<msgs::GraspPlan>(recording, "/plans")) {
     plan.clear_times();  // seconds differ from run to run
+    // So does what would help where nothing can be grasped: it is found out within some of them.
+    plan.clear_remedies();
+    plan.clear_remedies_in_vain();
+    plan.clear_remedies_incomplete();
+    plan.set_problem(plan.problem().substr(0, plan.problem().find(". ")));
     by_id[plan.id()] = plan;
   }
   std::vector<msgs::GraspPlan> out;
