@@ -112,6 +112,12 @@ bool visit_triangle(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
+bool collect_triangle(RTCPointQueryFunctionArguments* arguments) {
+  static_cast<std::vector<int>*>(arguments->userPtr)
+      ->push_back(static_cast<int>(arguments->primID));
+  return false;  // the radius stays
+}
+
 }  // namespace
 
 struct MeshQuery::Implementation {
@@ -229,6 +235,21 @@ std::optional<NearestPoint> MeshQuery::nearest(const Eigen::Vector3d& point,
   rtcPointQuery(implementation_->scene, &query, &context, visit_triangle, &search);
   if (!search.found) return std::nullopt;
   return search.best;
+}
+
+void MeshQuery::near_triangles(const Eigen::Vector3d& point, double distance,
+                               std::vector<int>* triangles) const {
+  triangles->clear();
+  RTCPointQuery query{};
+  query.x = static_cast<float>(point.x());
+  query.y = static_cast<float>(point.y());
+  query.z = static_cast<float>(point.z());
+  // A little larger, since the tree's boxes are rounded to single precision.
+  const double rounded = 1e-6 * (distance + point.cwiseAbs().maxCoeff());
+  query.radius = static_cast<float>(std::min(distance + rounded, 1e18));
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(implementation_->scene, &query, &context, collect_triangle, triangles);
 }
 
 bool MeshQuery::contains(const Eigen::Vector3d& point) const {

@@ -49,6 +49,11 @@ class SurfaceQuery {
   virtual std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
                                               double max_distance = 1e9) const = 0;
 
+  /// Indices of all triangles within `distance` [m] of `point`, and of some little beyond it, in no
+  /// order that means anything but the same each time. `triangles` is emptied first.
+  virtual void near_triangles(const Eigen::Vector3d& point, double distance,
+                              std::vector<int>* triangles) const = 0;
+
   /// True when `point` is inside the (watertight) mesh: on most of three rays the first surface
   /// met is seen from its back.
   virtual bool contains(const Eigen::Vector3d& point) const = 0;
@@ -76,6 +81,8 @@ class MeshQuery final : public SurfaceQuery {
   const Eigen::AlignedBox3d& box() const override;
   std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
                                       double max_distance = 1e9) const override;
+  void near_triangles(const Eigen::Vector3d& point, double distance,
+                      std::vector<int>* triangles) const override;
   bool contains(const Eigen::Vector3d& point) const override;
   double signed_distance(const Eigen::Vector3d& point) const override;
 

@@ -72,29 +72,6 @@ TEST(HandBalls, CylindersAreCoveredToo) {
   }
 }
 
-TEST(DistanceGrid, IsTheDistanceNearAndBelowItFar) {
-  const geometry::MeshQuery ball(geometry::make_sphere(0.04, 96));
-  const DistanceGrid grid(ball);
-  std::mt19937_64 random(3);
-  for (int i = 0; i < 3000; ++i) {
-    const Vector3d p(0.12 * random_unit(random), 0.12 * random_unit(random),
-                     0.12 * random_unit(random));
-    const double exact = ball.nearest(p)->distance, got = grid.distance(p);
-    if (got <= DistanceGrid::kNear) {
-      // cell^2 / (4 r) with r the ball's radius and more.
-      EXPECT_NEAR(got, exact, p.norm() > 0.045 ? 5e-5 : 1.3e-3) << p.norm();
-      if (p.norm() > 0.045) {
-        EXPECT_GT(grid.away(p).dot(p.normalized()), 0.999);
-      }
-    } else {
-      EXPECT_LE(got, exact + 5e-5);
-      EXPECT_GT(got, DistanceGrid::kNear);
-    }
-  }
-  EXPECT_THROW(DistanceGrid(ball, 0), std::invalid_argument);
-  EXPECT_THROW(DistanceGrid(ball, 0.002, std::nan("")), std::invalid_argument);
-}
-
 TEST(CloseFingers, ParallelFingersStopAtTheBoxFaces) {
   const TestHand sdh("sdh2");
   for (const double width : {0.02, 0.04, 0.06}) {

@@ -9,7 +9,7 @@ namespace prehend::grasp {
 namespace {
 
 constexpr double kMostNodes = 8e6;
-constexpr int kCoarse = 4;  // nodes between those that tell how far is far
+constexpr int kCoarse = kBlockSide;  // nodes between those that tell how far is far
 
 std::unique_ptr<std::atomic<float>[]> empty_nodes(const Eigen::Vector3i& count) {
   const auto total = static_cast<std::size_t>(count.prod());
@@ -45,6 +45,7 @@ DistanceGrid::DistanceGrid(const geometry::SurfaceQuery& mesh, double cell, doub
   if (!(counts.prod() <= kMostNodes)) return;
   count_ = counts.cast<int>();
   coarse_count_ = (count_.array() + kCoarse - 1) / kCoarse;
+  blocks_.emplace(mesh);
   nodes_ = empty_nodes(count_);
   coarse_nodes_ = empty_nodes(coarse_count_);
 }
@@ -61,19 +62,30 @@ double DistanceGrid::coarse_node(int x, int y, int z) const {
 }
 
 double DistanceGrid::node(int x, int y, int z) const {
-  auto& stored = nodes_[index_of(count_, x, y, z)];
-  float value = stored.load(std::memory_order_relaxed);
-  if (std::isnan(value)) {
-    // Not farther than its coarse neighbour and the way there: the search has less to look at.
-    const double way = std::sqrt(3.0) * kCoarse * cell_;
-    const double most = coarse_node(x / kCoarse, y / kCoarse, z / kCoarse) + way;
-    const Eigen::Vector3d p = origin_ + cell_ * Eigen::Vector3d(x, y, z);
-    auto found = mesh_->nearest(p, most);
-    if (!found) found = mesh_->nearest(p);
-    value = static_cast<float>(found ? found->distance : 1e9);
-    stored.store(value, std::memory_order_relaxed);
+  const auto& stored = nodes_[index_of(count_, x, y, z)];
+  const float value = stored.load(std::memory_order_relaxed);
+  if (!std::isnan(value)) return value;
+  fill_block({x / kBlockSide, y / kBlockSide, z / kBlockSide});
+  return stored.load(std::memory_order_relaxed);
+}
+
+void DistanceGrid::fill_block(const Eigen::Vector3i& block) const {
+  const Eigen::Vector3i first = kBlockSide * block;
+  // Its middle is not farther than its first node, a coarse one, and the way from there.
+  const double way = std::sqrt(3.0) * (kBlockSide - 1) / 2 * cell_;
+  const double most = coarse_node(block.x(), block.y(), block.z()) + way;
+  const DistanceBlock distances =
+      blocks_->measure(origin_ + cell_ * first.cast<double>(), cell_, most);
+  const Eigen::Vector3i size = (count_ - first).cwiseMin(kBlockSide);
+  for (int z = 0; z < size.z(); ++z) {
+    for (int y = 0; y < size.y(); ++y) {
+      std::atomic<float>* row = &nodes_[index_of(count_, first.x(), first.y() + y, first.z() + z)];
+      for (int x = 0; x < size.x(); ++x) {
+        const auto from = static_cast<std::size_t>((z * kBlockSide + y) * kBlockSide + x);
+        row[x].store(distances[from], std::memory_order_relaxed);
+      }
+    }
   }
-  return value;
 }
 
 bool DistanceGrid::find_cell(const Eigen::Vector3d& p, Cell& cell) const {
