@@ -20,6 +20,8 @@
 namespace prehend::grasp {
 namespace {
 
+constexpr double kGoodPart = 0.25;  // of a finger's contact that was seen: it knows where it is
+
 using std::chrono::steady_clock;
 
 struct Tried {
@@ -199,7 +201,6 @@ std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::siz
 // known. A finger knows where its side is if it stands on a good part that was seen: an object that
 // all fingers know so is as wide as the prediction says, and is refused if that does not fit.
 std::optional<Refusal> Planner::assess_surface(ClosedGrasp* closed) const {
-  static constexpr double kGoodPart = 0.25;
   Grasp& grasp = closed->grasp;
   double sum = 0, guessed = 0, there = 0;
   struct Finger {

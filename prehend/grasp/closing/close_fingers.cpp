@@ -103,6 +103,7 @@ class FingersAdvancing {
     // Until when each link cannot have touched anything, on the group's clock: links that are far
     // are not asked again while another one creeps up to its contact.
     std::vector<double> safe(links_.size(), 0);
+    std::vector<int> nearest(links_.size(), -1);  // of each link's balls, when it was last asked
     double clock = 0;
     pushing_ = -1;
     for (int step = 0; step < options_.largest_steps; ++step) {
@@ -130,7 +131,9 @@ class FingersAdvancing {
           time = std::min(time, safe[i] - clock);
           continue;
         }
-        const NearBall near = nearest_ball(balls_.links[at(link)], poses_[at(link)], scene_);
+        const NearBall near =
+            nearest_ball(balls_.links[at(link)], poses_[at(link)], scene_, kExact, nearest[i]);
+        nearest[i] = near.ball;
         if (near.clearance > options_.tolerance) {
           const double free = (near.clearance - options_.tolerance / 2) / speed;
           safe[i] = clock + free;
@@ -450,10 +453,12 @@ Advance advance_hand(const HandToClose& hand, const RigidTransform& X_WH,
     const LinkBalls& balls = hand.balls.links[l];
     if (balls.nodes.empty()) continue;
     double way = 0;
+    int likely = -1;
     while (way < result.distance) {
       RigidTransform moved = poses[l];
       moved.translation() += way * direction_W;
-      const NearBall near = nearest_ball(balls, moved, solid, margin + kTolerance);
+      const NearBall near = nearest_ball(balls, moved, solid, margin + kTolerance, likely);
+      likely = near.ball;
       const double room = near.clearance - margin;
       if (room > kTolerance) {
         way += room - kTolerance / 2;

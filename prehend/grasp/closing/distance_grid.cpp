@@ -44,7 +44,7 @@ DistanceGrid::DistanceGrid(const geometry::SurfaceQuery& mesh, double cell, doub
   coarse_count_.setZero();
   if (!(counts.prod() <= kMostNodes)) return;
   count_ = counts.cast<int>();
-  coarse_count_ = (count_.array() + kCoarse - 1) / kCoarse;
+  coarse_count_ = (count_.array() + kCoarse - 1) / kCoarse + 1;  // one beyond, to round to
   blocks_.emplace(mesh);
   nodes_ = empty_nodes(count_);
   coarse_nodes_ = empty_nodes(coarse_count_);
@@ -131,15 +131,13 @@ double DistanceGrid::distance(const Eigen::Vector3d& p) const {
     return found ? found->distance : std::numeric_limits<double>::infinity();
   }
   // What a coarse node tells: nobody is nearer than its distance less the way to it.
-  const double x = (cell.x + cell.part_x) / kCoarse, y = (cell.y + cell.part_y) / kCoarse,
-               z = (cell.z + cell.part_z) / kCoarse;
-  const int cx = std::min(static_cast<int>(x + 0.5), coarse_count_.x() - 1),
-            cy = std::min(static_cast<int>(y + 0.5), coarse_count_.y() - 1),
-            cz = std::min(static_cast<int>(z + 0.5), coarse_count_.z() - 1);
-  const double way =
-      kCoarse * cell_ * std::sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy) + (z - cz) * (z - cz));
-  const double bound = coarse_node(cx, cy, cz) - way;
-  if (bound > kNear) return bound;
+  const double x = cell.x + cell.part_x, y = cell.y + cell.part_y, z = cell.z + cell.part_z;
+  const int cx = static_cast<int>(x / kCoarse + 0.5), cy = static_cast<int>(y / kCoarse + 0.5),
+            cz = static_cast<int>(z / kCoarse + 0.5);
+  const double dx = x - kCoarse * cx, dy = y - kCoarse * cy, dz = z - kCoarse * cz;
+  const double squared_way = cell_ * cell_ * (dx * dx + dy * dy + dz * dz);
+  const double coarse = coarse_node(cx, cy, cz), beyond = coarse - kNear;
+  if (beyond > 0 && beyond * beyond > squared_way) return coarse - std::sqrt(squared_way);
   double v[8];
   corners(cell, v);
   const double x00 = v[0] + cell.part_x * (v[1] - v[0]), x10 = v[2] + cell.part_x * (v[3] - v[2]);

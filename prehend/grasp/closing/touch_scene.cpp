@@ -16,10 +16,11 @@ class Search {
          double exact)
       : link_(link), X_WL_(X_WL), scene_(scene), exact_(exact) {}
 
-  NearBall run() {
+  NearBall run(int likely) {
     const double root = lower_bound(0);
     // All of it is far: the bound is as good.
     if (root > DistanceGrid::kNear) return {root, 0, Touched::kNothing};
+    if (likely >= 0) look_at(likely);
     visit(0);
     best_.clearance = std::min(best_.clearance, passed_over_);
     return best_;
@@ -31,16 +32,18 @@ class Search {
     return scene_.distance(X_WL_ * node(i).center) - node(i).radius;
   }
 
+  void look_at(int ball) {
+    Touched what = Touched::kNothing;
+    const double clearance =
+        scene_.distance(X_WL_ * link_.centers[static_cast<std::size_t>(ball)], &what) -
+        link_.radii[static_cast<std::size_t>(ball)];
+    if (clearance < best_.clearance) best_ = {clearance, ball, what};
+  }
+
   void visit(int index) {
     const LinkBalls::Node& here = node(index);
     if (here.leaf()) {
-      for (int i = here.first; i < here.last; ++i) {
-        Touched what = Touched::kNothing;
-        const double clearance =
-            scene_.distance(X_WL_ * link_.centers[static_cast<std::size_t>(i)], &what) -
-            link_.radii[static_cast<std::size_t>(i)];
-        if (clearance < best_.clearance) best_ = {clearance, i, what};
-      }
+      for (int i = here.first; i < here.last; ++i) look_at(i);
       return;
     }
     int near = here.first, far = here.right;
@@ -123,9 +126,9 @@ double TouchScene::exact_distance(const Vector3d& p_W, Touched what, Vector3d* a
 }
 
 NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
-                      const TouchScene& scene, double exact) {
+                      const TouchScene& scene, double exact, int likely) {
   if (link.nodes.empty()) return {};
-  return Search(link, X_WL, scene, exact).run();
+  return Search(link, X_WL, scene, exact).run(likely);
 }
 
 NearBall lowest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,

@@ -33,11 +33,14 @@ struct NearBall {
   Touched what = Touched::kNothing;
 };
 
+constexpr double kExact = 1e-3;  // m, of clearances
+
 /// The link's ball that is nearest to anything in the scene, or, where all are farther than `exact`
 /// [m], a lower bound of its clearance, above `exact` (with a ball that is about as near). Where
 /// `exact` and a ball's radius together are more than DistanceGrid::kNear it can be too small.
+/// `likely`: a ball that may well be the nearest, as it was one before (none: -1): it saves much.
 NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
-                      const TouchScene& scene, double exact = 1e-3);
+                      const TouchScene& scene, double exact = kExact, int likely = -1);
 
 /// The link's ball that is lowest over a plane, and by how much it clears it; none (-1) when all
 /// clear it by `most` [m] or more.
