@@ -131,7 +131,7 @@ struct Options {
 
   perception::SegmentationOptions segmentation() const {
     perception::SegmentationOptions options;
-    options.split = perception::splitting_named(split).value();
+    perception::choose_splitting(split, std::nullopt, &options);
     options.least_split_width = least_split_width;
     options.body_evidence = shape::log_odds_of_one_body;
     return options;

@@ -7,8 +7,10 @@
 #include "prehend/fidelity/shape_settings.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/grasp/closing/widest_opening.h"
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/perception/segmentation.h"
+#include "prehend/robot/hand_model.h"
 #include "prehend/shape/body_evidence.h"
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
@@ -40,20 +42,18 @@ fidelity::ShapeOptions shape_options(const std::optional<Chain>& chain) {
       fidelity::stage_setting(chosen.front, chosen.setting, fidelity::Stage::kShape));
 }
 
-perception::Splitting splitting_named(const std::string& name) {
-  if (const auto found = perception::splitting_named(name)) return *found;
-  throw py::value_error("split is '" + name + "'; give none, tops, touching or shapes");
-}
-
 Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& viewpoint,
               const std::optional<Eigen::Vector3d>& up, const std::string& table, double scale,
-              const std::string& split, double min_height, const std::optional<Chain>& chain) {
+              const std::string& split, const robot::HandModel* hand, double min_height,
+              const std::optional<Chain>& chain) {
   perception::RecordedCloudOptions options =
       perception::read_recorded_cloud_options(scale, "", "", table);
   if (viewpoint) options.viewpoint = read_pose(*viewpoint, "viewpoint");
   options.up = up;
   perception::SegmentationOptions segmentation;
-  segmentation.split = splitting_named(split);
+  std::optional<double> widest_opening;
+  if (hand != nullptr) widest_opening = grasp::widest_opening(*hand);
+  perception::choose_splitting(split, widest_opening, &segmentation);
   segmentation.min_height = min_height;
   segmentation.body_evidence = shape::log_odds_of_one_body;
   if (chain) {
@@ -66,9 +66,6 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   geometry::CloudFile file;
   file.cloud = cloud;
   const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(file, options);
-  if (needs_organized(segmentation.split) && !recorded.cloud_C.organized()) {
-    throw geometry::InputError("split='" + split + "' needs an organized cloud", "Leave it away");
-  }
   return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes, chain};
 }
 
@@ -160,10 +157,12 @@ void bind_scenes(py::module_& m) {
   m.def(
       "segment", &segment, py::arg("cloud"), py::kw_only(), py::arg("viewpoint") = py::none(),
       py::arg("up") = py::none(), py::arg("table") = "auto", py::arg("scale") = 1.0,
-      py::arg("split") = "tops", py::arg("min_height") = 0.0, py::arg("chain") = py::none(),
+      py::arg("split") = "tops", py::arg("hand") = py::none(), py::arg("min_height") = 0.0,
+      py::arg("chain") = py::none(),
       "Finds table and objects of a recorded cloud. viewpoint: 4 x 4, the camera's optical frame "
       "in the cloud's; up: 3 numbers; table: auto, find, none or 'a b c d' [m]; scale: metres per "
-      "unit; split: none, tops, touching, shapes; min_height [m], 0: by the table's noise; chain: "
+      "unit; split: none, tops, touching, shapes, or wide: shapes, of what is wider than `hand` "
+      "opens; min_height [m], 0: by the table's noise; chain: "
       "a Chain, which all that is made of the scene is made by. Raises InputError where there is "
       "no "
       "table.");

@@ -161,20 +161,7 @@ perception::SegmentationOptions SegmentationParameters::segmentation() const {
   if (node_.parameter<std::string>("clustering") == "organized") {
     o.clustering = perception::Clustering::kOrganized;
   }
-  const auto split = node_.parameter<std::string>("split");
-  if (split == "wide") {
-    if (!widest_opening_) {
-      throw geometry::InputError("Parameter split=wide needs a platform",
-                                 "Name the robot that grasps (platform), or choose another split");
-    }
-    // Of a hand whose fingers do not face each other nothing is known to be too wide.
-    if (*widest_opening_ > 0) {
-      o.split = perception::Splitting::kShapes;
-      o.least_split_width = *widest_opening_;
-    }
-  } else {
-    o.split = perception::splitting_named(split).value();
-  }
+  perception::choose_splitting(node_.parameter<std::string>("split"), widest_opening_, &o);
   o.body_evidence = shape::log_odds_of_one_body;
   return o;
 }

@@ -438,6 +438,14 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
   std::optional<geometry::RigidTransform> X_WC;
   if (world == RecordedWorld::kFile) X_WC = recorded.X_FC;
   if (!recorded.hypothetical_table_C) {
+    const bool needs_image =
+        options.split == Splitting::kTouching || options.split == Splitting::kShapes;
+    if (needs_image && !recorded.cloud_C.organized()) {
+      throw InputError(
+          "Taking things apart by creases (split touching, shapes or wide) needs an "
+          "organized cloud, and this is none",
+          "Choose split tops or none");
+    }
     const Table table =
         recorded.given_table_C
             ? table_of_plane(recorded.cloud_C, *recorded.given_table_C, table_options)

@@ -85,6 +85,8 @@ enum class RecordedWorld {
 };
 
 /// The objects of a recorded cloud: segment, or the whole cloud on its hypothetical table.
+/// @throws geometry::InputError as segment, and for a cloud that is no image where things are to be
+/// taken apart by what only images show.
 SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
                                       const SegmentationOptions& options = {},
                                       const TableOptions& table_options = {},

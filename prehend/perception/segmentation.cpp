@@ -331,16 +331,29 @@ Plane transformed(const Plane& plane_B, const RigidTransform& X_AB) {
 
 }  // namespace
 
-bool needs_organized(Splitting splitting) {
-  return splitting == Splitting::kTouching || splitting == Splitting::kShapes;
-}
-
-std::optional<Splitting> splitting_named(std::string_view name) {
-  if (name == "none") return Splitting::kNone;
-  if (name == "tops") return Splitting::kTops;
-  if (name == "touching") return Splitting::kTouching;
-  if (name == "shapes") return Splitting::kShapes;
-  return std::nullopt;
+void choose_splitting(std::string_view name, std::optional<double> widest_opening,
+                      SegmentationOptions* options) {
+  if (name == "none") {
+    options->split = Splitting::kNone;
+  } else if (name == "tops") {
+    options->split = Splitting::kTops;
+  } else if (name == "touching") {
+    options->split = Splitting::kTouching;
+  } else if (name == "shapes") {
+    options->split = Splitting::kShapes;
+  } else if (name == "wide") {
+    if (!widest_opening) {
+      throw geometry::InputError("split is 'wide', and nothing is known of the hand",
+                                 "Name the platform or hand that grasps, or choose another split");
+    }
+    if (*widest_opening > 0) {
+      options->split = Splitting::kShapes;
+      options->least_split_width = *widest_opening;
+    }
+  } else {
+    throw geometry::InputError("split is '" + std::string(name) + "'",
+                               "Give none, tops, touching, shapes or wide");
+  }
 }
 
 RigidTransform world_from_table(const Plane& table_C, const Eigen::Vector3d& anchor_C) {

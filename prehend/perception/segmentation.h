@@ -31,12 +31,6 @@ enum class Splitting {
   kShapes,
 };
 
-/// "none", "tops", "touching" or "shapes"; nothing for another word.
-std::optional<Splitting> splitting_named(std::string_view name);
-
-/// Whether it looks at a picture's neighbours, which clouds without an order have not.
-bool needs_organized(Splitting splitting);
-
 struct SegmentationOptions {
   Clustering clustering = Clustering::kEuclidean;
   /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond. 0: by
@@ -69,6 +63,14 @@ struct SegmentationOptions {
   double least_split_width = 0;
   BodyEvidence body_evidence;  // kShapes: shape::log_odds_of_one_body
 };
+
+/// Has things that touch taken apart by a name: none, tops, touching or shapes, see Splitting, or
+/// wide: shapes, of what is wider across the table than the hand opens (`widest_opening` [m],
+/// grasp::widest_opening(); 0: its fingers do not face each other, so that nothing is known to be
+/// too wide, and `split` stays).
+/// @throws geometry::InputError for another name, and for wide without an opening.
+void choose_splitting(std::string_view name, std::optional<double> widest_opening,
+                      SegmentationOptions* options);
 
 /// The objects that stand on `table`: points over its convex outline, of organized clouds without
 /// flying ones (organized_components.h), voxel grid, Euclidean clusters, parts of one object

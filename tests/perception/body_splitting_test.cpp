@@ -4,11 +4,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "prehend/geometry/errors.h"
 #include "prehend/perception/seen_width.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/shape/body_evidence.h"
@@ -229,6 +232,22 @@ TEST(SegmentByShapes, FindsTheBodiesAndNeedsTheirEvidence) {
   EXPECT_THROW(count(), std::invalid_argument);
   options.body_evidence = shape::log_odds_of_one_body;
   EXPECT_EQ(count(), 2U);
+}
+
+TEST(ChooseSplitting, WideIsByShapesOfWhatIsWiderThanTheHandOpens) {
+  const auto chosen = [](const char* name, std::optional<double> widest_opening) {
+    SegmentationOptions options;
+    choose_splitting(name, widest_opening, &options);
+    return std::pair(options.split, options.least_split_width);
+  };
+  EXPECT_EQ(chosen("none", {}), std::pair(Splitting::kNone, 0.0));
+  EXPECT_EQ(chosen("tops", 0.07), std::pair(Splitting::kTops, 0.0));
+  EXPECT_EQ(chosen("touching", {}), std::pair(Splitting::kTouching, 0.0));
+  EXPECT_EQ(chosen("shapes", 0.07), std::pair(Splitting::kShapes, 0.0));
+  EXPECT_EQ(chosen("wide", 0.07), std::pair(Splitting::kShapes, 0.07));
+  EXPECT_EQ(chosen("wide", 0.0), std::pair(Splitting::kTops, 0.0)) << "no fingers face each other";
+  EXPECT_THROW(chosen("wide", {}), geometry::InputError);
+  EXPECT_THROW(chosen("top", {}), geometry::InputError);
 }
 
 TEST(SegmentByShapes, LeavesWholeWhatIsNarrow) {

@@ -157,7 +157,10 @@ TEST_F(Explain, SaysWhatBecomesOfARecordedCloud) {
   EXPECT_THAT(output, AllOf(HasSubstr("chosen of measured chains"), HasSubstr("shape.thinning")));
   EXPECT_THAT(run({cloud, "--budget", "1us"}), HasSubstr("Allow as much as the fastest one"));
   EXPECT_THAT(run({cloud, "--front", "config/fidelity/touch.yaml"}), HasSubstr("is for scenes"));
-  EXPECT_THAT(run({cloud, "--split", "top"}), HasSubstr("--split is 'top'"));
+  EXPECT_THAT(run({cloud, "--split", "top"}), HasSubstr("split is 'top'"));
+  EXPECT_THAT(run({cloud, "--split", "wide"}), HasSubstr("Name the platform or hand"));
+  EXPECT_THAT(run({cloud, "--split", "wide", "--platform", "stage_pg70"}),
+              HasSubstr("needs an organized cloud"));
   EXPECT_THAT(run({cloud, "--split", "touching"}), HasSubstr("needs an organized cloud"));
   EXPECT_THAT(run({cloud, "--table", "1 2"}), HasSubstr("table"));
   EXPECT_THAT(run({folder_.write("empty.pcd", "")}), HasSubstr("empty.pcd"));

@@ -40,11 +40,13 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       "\"a b c d\": the plane a x + b y + c z = d of the file's frame [m], normal "
       "towards the objects");
   command
-      .add_option("--split", choices.split,
-                  "of a cloud: what takes things apart that touch: none, tops (default): level "
-                  "tops at different heights; in organized clouds also touching: creases between "
-                  "colours, shapes: creases where two completed shapes explain more than one")
-      ->check(CLI::IsMember({"none", "tops", "touching", "shapes"}));
+      .add_option(
+          "--split", choices.split,
+          "of a cloud: what takes things apart that touch: none, tops (default): level "
+          "tops at different heights; in organized clouds also touching: creases between "
+          "colours, shapes: creases where two completed shapes explain more than one, wide: "
+          "as shapes, of what is wider across the table than the hand opens")
+      ->check(CLI::IsMember({"none", "tops", "touching", "shapes", "wide"}));
   command.add_flag("--in-place", choices.in_place,
                    "leave a mesh where its file has it, on the table z = 0; else it is put on the "
                    "table, at the origin");

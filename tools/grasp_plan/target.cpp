@@ -13,8 +13,11 @@
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
+#include "prehend/grasp/closing/widest_opening.h"
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/planning/known_models.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/shape/body_evidence.h"
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
@@ -135,6 +138,16 @@ bool take_known(const PlanChoices& choices, const perception::SegmentedScene& sc
   return true;
 }
 
+/// Of the hand that is planned for [m].
+double widest_opening(const PlanChoices& choices) {
+  const fs::path robots = fs::path(choices.config) / "robots";
+  if (choices.platform.empty()) {
+    return grasp::widest_opening(robot::read_hand_model(robot::hand_file(robots, choices.hand)));
+  }
+  return grasp::widest_opening(
+      robot::read_platform(robot::platform_file(robots, choices.platform)).hand);
+}
+
 PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   PlanTarget target;
   auto start = steady_clock::now();
@@ -146,12 +159,9 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   target.notes = recorded.notes;
   perception::SegmentationOptions segmentation;
   if (!choices.split.empty()) {
-    segmentation.split = perception::splitting_named(choices.split).value();
-  }
-  if (needs_organized(segmentation.split) && !recorded.cloud_C.organized()) {
-    throw geometry::InputError(
-        "--split " + choices.split + " needs an organized cloud, '" + choices.file + "' is none",
-        "Leave --split away");
+    std::optional<double> opening;
+    if (choices.split == "wide") opening = widest_opening(choices);
+    perception::choose_splitting(choices.split, opening, &segmentation);
   }
   segmentation.body_evidence = shape::log_odds_of_one_body;
   fidelity::ShapeOptions shape_options;

@@ -10,7 +10,10 @@
 #include "prehend/fidelity/shape_settings.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/grasp/closing/widest_opening.h"
 #include "prehend/perception/recorded_cloud.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/shape/body_evidence.h"
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
@@ -29,12 +32,12 @@ class CloudExplainer {
   explicit CloudExplainer(const CloudToExplain& cloud) : cloud_(cloud) {
     segmentation_.body_evidence = shape::log_odds_of_one_body;
     if (!cloud.split.empty()) {
-      const auto split = perception::splitting_named(cloud.split);
-      if (!split) {
-        throw geometry::InputError("--split is '" + cloud.split + "'",
-                                   "Give none, tops, touching or shapes");
+      std::optional<double> widest_opening;
+      if (!cloud.platform.empty()) {
+        const auto file = robot::platform_file(text::tree_file("config/robots"), cloud.platform);
+        widest_opening = grasp::widest_opening(robot::read_platform(file).hand);
       }
-      segmentation_.split = *split;
+      perception::choose_splitting(cloud.split, widest_opening, &segmentation_);
     }
     if (cloud.budget > 0 || cloud.tolerance > 0) choose_chain();
   }
@@ -44,11 +47,6 @@ class CloudExplainer {
         geometry::read_cloud_file(cloud_.file),
         perception::read_recorded_cloud_options(cloud_.scale, cloud_.viewpoint, cloud_.up,
                                                 cloud_.table));
-    if (needs_organized(segmentation_.split) && !recorded.cloud_C.organized()) {
-      throw geometry::InputError(
-          "--split " + cloud_.split + " needs an organized cloud, '" + cloud_.file + "' is none",
-          "Leave --split away");
-    }
     const SegmentedScene scene = perception::segment_recorded_cloud(recorded, segmentation_);
     tell_view(recorded, scene);
     tell_points_left_out(scene);
