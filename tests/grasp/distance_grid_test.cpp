@@ -106,6 +106,31 @@ TEST(DistanceGrid, IsTheDistanceNearAndBelowItFar) {
   EXPECT_THROW(DistanceGrid(ball, 0.002, std::nan("")), std::invalid_argument);
 }
 
+// A table full of things has one grid; what would take too many nodes is asked directly.
+TEST(DistanceGrid, IsOfThingsFarApartToo) {
+  for (const double apart : {0.9, 4.0}) {
+    geometry::TriangleMesh things = geometry::make_sphere(0.04, 48);
+    const geometry::TriangleMesh other = geometry::transformed(
+        things, geometry::RigidTransform(Eigen::Translation3d(apart, apart, apart / 3)));
+    const auto first = static_cast<int>(things.vertices.size());
+    things.vertices.insert(things.vertices.end(), other.vertices.begin(), other.vertices.end());
+    for (const Eigen::Vector3i& t : other.triangles) {
+      things.triangles.emplace_back(t.array() + first);
+    }
+    const geometry::MeshQuery both(things);
+    const DistanceGrid grid(both);
+    std::mt19937_64 random(11);
+    for (int i = 0; i < 300; ++i) {
+      const Vector3d away =
+          Vector3d(random_unit(random), random_unit(random), random_unit(random)).normalized();
+      const Vector3d p = (i % 2 == 0 ? Vector3d(0, 0, 0) : Vector3d(apart, apart, apart / 3)) +
+                         (0.042 + 0.004 * std::abs(random_unit(random))) * away;
+      EXPECT_NEAR(grid.distance(p), both.nearest(p)->distance, 1e-4) << apart;
+      EXPECT_GT(grid.away(p).dot(away), 0.99);
+    }
+  }
+}
+
 // Whoever fills a block first, its nodes are the same.
 TEST(DistanceGrid, IsTheSameForSeveralWhoAskAtOnce) {
   const geometry::MeshQuery ball(geometry::make_sphere(0.04, 48));

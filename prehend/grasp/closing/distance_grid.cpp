@@ -1,6 +1,8 @@
 #include "prehend/grasp/closing/distance_grid.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -8,17 +10,8 @@
 namespace prehend::grasp {
 namespace {
 
-constexpr double kMostNodes = 8e6;
+constexpr double kMostNodes = 1e8;
 constexpr int kCoarse = kBlockSide;  // nodes between those that tell how far is far
-
-std::unique_ptr<std::atomic<float>[]> empty_nodes(const Eigen::Vector3i& count) {
-  const auto total = static_cast<std::size_t>(count.prod());
-  auto nodes = std::make_unique<std::atomic<float>[]>(total);
-  for (std::size_t i = 0; i < total; ++i) {
-    nodes[i].store(std::numeric_limits<float>::quiet_NaN(), std::memory_order_relaxed);
-  }
-  return nodes;
-}
 
 std::size_t index_of(const Eigen::Vector3i& count, int x, int y, int z) {
   return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count.y()) +
@@ -27,7 +20,22 @@ std::size_t index_of(const Eigen::Vector3i& count, int x, int y, int z) {
          static_cast<std::size_t>(x);
 }
 
+static_assert(std::atomic_ref<std::uint32_t>::is_always_lock_free);
+
 }  // namespace
+
+DistanceGrid::LazyFloats::LazyFloats(std::size_t count)
+    : bits_(static_cast<std::uint32_t*>(std::calloc(count, sizeof(std::uint32_t)))) {}
+
+inline float DistanceGrid::LazyFloats::operator[](std::size_t i) const {
+  const std::atomic_ref<std::uint32_t> bits(bits_[i]);
+  return std::bit_cast<float>(~bits.load(std::memory_order_relaxed));
+}
+
+inline void DistanceGrid::LazyFloats::set(std::size_t i, float value) const {
+  const std::atomic_ref<std::uint32_t> bits(bits_[i]);
+  bits.store(~std::bit_cast<std::uint32_t>(value), std::memory_order_relaxed);
+}
 
 DistanceGrid::DistanceGrid(const geometry::SurfaceQuery& mesh, double cell, double margin)
     : mesh_(&mesh), cell_(cell), per_cell_(1 / cell) {
@@ -45,28 +53,32 @@ DistanceGrid::DistanceGrid(const geometry::SurfaceQuery& mesh, double cell, doub
   if (!(counts.prod() <= kMostNodes)) return;
   count_ = counts.cast<int>();
   coarse_count_ = (count_.array() + kCoarse - 1) / kCoarse + 1;  // one beyond, to round to
+  nodes_ = LazyFloats(static_cast<std::size_t>(count_.prod()));
+  coarse_nodes_ = LazyFloats(static_cast<std::size_t>(coarse_count_.prod()));
+  if (!nodes_ || !coarse_nodes_) {
+    nodes_ = {};
+    return;
+  }
   blocks_.emplace(mesh);
-  nodes_ = empty_nodes(count_);
-  coarse_nodes_ = empty_nodes(coarse_count_);
 }
 
 double DistanceGrid::coarse_node(int x, int y, int z) const {
-  auto& stored = coarse_nodes_[index_of(coarse_count_, x, y, z)];
-  float value = stored.load(std::memory_order_relaxed);
+  const std::size_t index = index_of(coarse_count_, x, y, z);
+  float value = coarse_nodes_[index];
   if (std::isnan(value)) {
     const auto found = mesh_->nearest(origin_ + kCoarse * cell_ * Eigen::Vector3d(x, y, z));
     value = static_cast<float>(found ? found->distance : 1e9);
-    stored.store(value, std::memory_order_relaxed);
+    coarse_nodes_.set(index, value);
   }
   return value;
 }
 
 double DistanceGrid::node(int x, int y, int z) const {
-  const auto& stored = nodes_[index_of(count_, x, y, z)];
-  const float value = stored.load(std::memory_order_relaxed);
+  const std::size_t index = index_of(count_, x, y, z);
+  const float value = nodes_[index];
   if (!std::isnan(value)) return value;
   fill_block({x / kBlockSide, y / kBlockSide, z / kBlockSide});
-  return stored.load(std::memory_order_relaxed);
+  return nodes_[index];
 }
 
 void DistanceGrid::fill_block(const Eigen::Vector3i& block) const {
@@ -79,10 +91,10 @@ void DistanceGrid::fill_block(const Eigen::Vector3i& block) const {
   const Eigen::Vector3i size = (count_ - first).cwiseMin(kBlockSide);
   for (int z = 0; z < size.z(); ++z) {
     for (int y = 0; y < size.y(); ++y) {
-      std::atomic<float>* row = &nodes_[index_of(count_, first.x(), first.y() + y, first.z() + z)];
+      const std::size_t row = index_of(count_, first.x(), first.y() + y, first.z() + z);
       for (int x = 0; x < size.x(); ++x) {
         const auto from = static_cast<std::size_t>((z * kBlockSide + y) * kBlockSide + x);
-        row[x].store(distances[from], std::memory_order_relaxed);
+        nodes_.set(row + static_cast<std::size_t>(x), distances[from]);
       }
     }
   }
@@ -105,14 +117,14 @@ bool DistanceGrid::find_cell(const Eigen::Vector3d& p, Cell& cell) const {
 }
 
 void DistanceGrid::corners(const Cell& cell, double (&values)[8]) const {
-  const std::atomic<float>* from = &nodes_[index_of(count_, cell.x, cell.y, cell.z)];
+  const std::size_t from = index_of(count_, cell.x, cell.y, cell.z);
   const auto row = static_cast<std::size_t>(count_.x());
   const auto layer = row * static_cast<std::size_t>(count_.y());
   const std::size_t offsets[8] = {0,     1,         row,         row + 1,
                                   layer, layer + 1, layer + row, layer + row + 1};
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    values[corner] = from[offsets[corner]].load(std::memory_order_relaxed);
+    values[corner] = nodes_[from + offsets[corner]];
     sum += values[corner];
   }
   if (!std::isnan(sum)) return;

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <atomic>
+#include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 
@@ -21,8 +22,10 @@ namespace prehend::grasp {
 /// first), and answers do not depend on their order.
 class DistanceGrid {
  public:
-  /// Nodes `cell` [m] apart up to `margin` [m] round the mesh; both > 0. A mesh so large that it
-  /// takes more than 8 million nodes is asked directly instead. Keeps a reference to `mesh`.
+  /// Nodes `cell` [m] apart up to `margin` [m] round the mesh; both > 0. Memory is taken where
+  /// nodes are filled alone, so that a mesh may be of things far apart; one so large that it takes
+  /// more than 100 million nodes (a metre in each direction) is asked directly instead. Keeps a
+  /// reference to `mesh`.
   /// @throws std::invalid_argument for a cell or a margin that is not positive and finite.
   explicit DistanceGrid(const geometry::SurfaceQuery& mesh, double cell = 0.0025,
                         double margin = 0.03);
@@ -44,6 +47,24 @@ class DistanceGrid {
     double part_x, part_y, part_z;
   };
   bool find_cell(const Eigen::Vector3d& p, Cell& cell) const;
+  /// Numbers that are NaN at first. Theirs is memory that the system has zeroed and does not
+  /// provide before it is written to, so they are kept with all bits inverted. Calls may run at
+  /// once.
+  class LazyFloats {
+   public:
+    LazyFloats() = default;
+    explicit LazyFloats(std::size_t count);
+    explicit operator bool() const { return bits_ != nullptr; }
+    float operator[](std::size_t i) const;
+    void set(std::size_t i, float value) const;
+
+   private:
+    struct Free {
+      void operator()(std::uint32_t* memory) const { std::free(memory); }
+    };
+    std::unique_ptr<std::uint32_t[], Free> bits_;
+  };
+
   double coarse_node(int x, int y, int z) const;
   double node(int x, int y, int z) const;
   void fill_block(const Eigen::Vector3i& block) const;
@@ -56,8 +77,8 @@ class DistanceGrid {
   Eigen::Vector3d origin_;                // of the nodes
   double cell_, per_cell_;                // m and its inverse
   Eigen::Vector3i count_, coarse_count_;
-  // NaN: not filled; null: too many. The coarse ones are apart: they stay in the fastest cache.
-  std::unique_ptr<std::atomic<float>[]> nodes_, coarse_nodes_;
+  // NaN: not filled; none: too many. The coarse ones are apart: they stay in the fastest cache.
+  LazyFloats nodes_, coarse_nodes_;
 };
 
 }  // namespace prehend::grasp

@@ -31,8 +31,8 @@ HWY_INLINE V squared(const Points& p) {
   return hn::MulAdd(p.x, p.x, hn::MulAdd(p.y, p.y, hn::Mul(p.z, p.z)));
 }
 
-/// Eight points, the corners of a cube; bit 0 of a point's number is its x, bit 1 its y, bit 2 its
-/// z. Those that the vectors hold from `lane` on.
+/// Eight points, the corners of a cube: bit 0 of a point's number is its x, bit 1 its y, bit 2 its
+/// z. points() are as many as a vector holds, from number `lane` on.
 struct Cube {
   alignas(64) float x[kEight], y[kEight], z[kEight];
 
