@@ -355,9 +355,11 @@ TEST_P(HandContract, SpeedIsAShareOfTheGreatest) {
   std::vector<double> speeds;
   for (const double share : {0.1, 0.3}) {
     hand_->states.clear();
-    ASSERT_TRUE(move(goal({facts().lone}, {0.6}, share)).reached());
+    const Result there = move(goal({facts().lone}, {0.6}, share));
+    ASSERT_TRUE(there.reached()) << there.reason() << hand_->output();
     speeds.push_back(speed_between(facts().lone, 0.1, 0.5));
-    ASSERT_TRUE(move(goal({facts().lone}, {0.0}, 1)).reached());
+    const Result back = move(goal({facts().lone}, {0.0}, 1));
+    ASSERT_TRUE(back.reached()) << back.reason() << hand_->output();
   }
   EXPECT_LT(speeds[0], 0.1 * facts().lone_speed * 1.3);
   EXPECT_LT(speeds[1], 0.3 * facts().lone_speed * 1.3);
