@@ -183,8 +183,20 @@ void BM_CandidatePg70(benchmark::State& state) {
 }
 BENCHMARK(BM_CandidatePg70)->Unit(benchmark::kMicrosecond);
 
+/// Predicted things on the rest of the table, half a metre away and more.
+grasp::Obstacles neighbours(int count) {
+  grasp::Obstacles others;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d p_W(0.5 + 0.15 * (i / 4), 0.15 * (i % 4), 0);
+    others.meshes_W.push_back(
+        geometry::transformed(carton().mesh_W, RigidTransform(Eigen::Translation3d(p_W))));
+  }
+  return others;
+}
+
 void BM_PlanPg70(benchmark::State& state) {
   const surface::ObjectModel object = narrow_box();
+  const grasp::Obstacles others = neighbours(static_cast<int>(state.range(1)));
   const robot::GripperModel gripper;
   grasp::PlannerOptions options;
   options.threads = 1;
@@ -192,10 +204,16 @@ void BM_PlanPg70(benchmark::State& state) {
   options.uncertainty.samples = static_cast<int>(state.range(0));
   int candidates = 0;
   for (auto _ : state) {
-    candidates = grasp::plan_grasps(object, geometry::Plane{}, {}, gripper, {}, options).candidates;
+    candidates =
+        grasp::plan_grasps(object, geometry::Plane{}, others, gripper, {}, options).candidates;
   }
   state.SetItemsProcessed(state.iterations() * candidates);
 }
-BENCHMARK(BM_PlanPg70)->ArgName("samples")->Arg(0)->Arg(16)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_PlanPg70)
+    ->ArgNames({"samples", "neighbours"})
+    ->Args({0, 0})
+    ->Args({16, 0})
+    ->Args({16, 12})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace

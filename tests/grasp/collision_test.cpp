@@ -1,6 +1,7 @@
 #include "prehend/grasp/closing/collision.h"
 
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -82,6 +83,35 @@ TEST(Collision, ObstacleCloudsAndMeshesAgree) {
     EXPECT_EQ(mesh_scene.check(hand, X_WG) == HandCollision::kObstacle, expected) << opening;
     EXPECT_EQ(cloud_scene.check(hand, X_WG) == HandCollision::kObstacle, expected) << opening;
   }
+}
+
+// An obstacle is made ready when the hand comes near it; an object always is.
+TEST(Collision, AnObstacleIsMetWhereTheSameThingAsObjectIs) {
+  CollisionOptions options;
+  options.obstacle_margin = options.object_margin;
+  const TriangleMesh ball = geometry::transformed(
+      geometry::make_sphere(0.03, 24),
+      geometry::make_transform(Eigen::Quaterniond::Identity(), {0.2, 0.1, 0.15}));
+  const geometry::Plane far_below{Eigen::Vector3d::UnitZ(), -2};
+  const CollisionScene as_object(ball, far_below, {}, options);
+  const CollisionScene as_obstacle({}, far_below, {{box_at({0.1, 0.1, 0.1}, {5, 5, 5}), ball}, {}},
+                                   options);
+  const auto hand = swept_hand(kCollisionGripper, 0.05, 0.1);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int met = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized();
+    const Eigen::Vector3d p = Eigen::Vector3d(0.2, 0.1, 0.15) +
+                              0.12 * Eigen::Vector3d(unit(random), unit(random), unit(random));
+    const RigidTransform X_WG = geometry::make_transform(turn, p);
+    const bool expected = as_object.check(hand, X_WG) == HandCollision::kObject;
+    met += expected;
+    ASSERT_EQ(as_obstacle.check(hand, X_WG) == HandCollision::kObstacle, expected) << i;
+  }
+  EXPECT_GT(met, 200);
+  EXPECT_LT(met, 1800);
 }
 
 TEST(Collision, SwallowedHandIsNoticed) {

@@ -245,7 +245,7 @@ TEST_F(BadInput, SplittingByAHandThatNobodyNamed) {
   const std::string file = write("p.yaml",
                                  "nodes:\n  - node: stereo_segmentation\n    required: true\n"
                                  "    parameters: {split: wide}\n");
-  expect_failure({file}, {"split=wide", "platform"});
+  expect_failure({file}, {"split is 'wide'", "platform"});
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -61,6 +63,38 @@ class SolidMesh {
   std::shared_ptr<Hierarchy> hierarchy_;
 };
 
+// A mesh that is made ready when a hand first comes near: neighbours out of reach never are.
+class Neighbour {
+ public:
+  explicit Neighbour(const TriangleMesh& mesh) : mesh_(mesh) {
+    const int vertices = static_cast<int>(mesh.vertices.size());
+    bool is_sound = true;
+    for (const auto& v : mesh.vertices) {
+      is_sound = is_sound && v.allFinite();
+      box_W_.extend(v);
+    }
+    for (const auto& t : mesh.triangles) {
+      is_sound = is_sound && t.minCoeff() >= 0 && t.maxCoeff() < vertices;
+    }
+    if (!is_sound) SolidMesh{mesh};  // says at once what is wrong
+  }
+
+  bool meets(const HandBox& box, const RigidTransform& X_WG, double margin) const {
+    const Eigen::Vector3d center_W = X_WG * box.center_G;
+    const Eigen::Vector3d half_W =
+        X_WG.linear().cwiseAbs() * (box.half_size.array() + margin).matrix();
+    if (!box_W_.intersects({center_W - half_W, center_W + half_W})) return false;
+    std::call_once(made_, [this] { solid_.emplace(mesh_); });
+    return solid_->meets(box, X_WG, margin);
+  }
+
+ private:
+  TriangleMesh mesh_;
+  Eigen::AlignedBox3d box_W_;
+  mutable std::once_flag made_;  // several threads ask
+  mutable std::optional<SolidMesh> solid_;
+};
+
 bool meets_any_point(const std::vector<Eigen::Vector3d>& points_W, const HandBox& box,
                      const RigidTransform& X_WG, double margin) {
   const RigidTransform X_GW = X_WG.inverse();
@@ -93,7 +127,7 @@ std::vector<HandBox> swept_hand(const robot::GripperModel& gripper, double openi
 
 struct CollisionScene::Implementation {
   std::optional<SolidMesh> object;
-  std::vector<SolidMesh> obstacles;
+  std::deque<Neighbour> obstacles;
   std::vector<Eigen::Vector3d> obstacle_points_W;
   geometry::Plane table;
   CollisionOptions options;

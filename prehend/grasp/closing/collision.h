@@ -42,7 +42,8 @@ struct Obstacles {
 enum class HandCollision { kNone, kTable, kObject, kObstacle };
 
 /// The world an open hand must not touch. Meshes are kept in FCL's bounding volume hierarchies
-/// (OBB and RSS); a mesh that would swallow a whole box is noticed too when it is watertight.
+/// (OBB and RSS); a mesh that would swallow a whole box is noticed too when it is watertight. Those
+/// of obstacles are made when a box first comes near them, so that those out of reach cost nothing.
 class CollisionScene {
  public:
   /// Meshes without triangles are skipped.
