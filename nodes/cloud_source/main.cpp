@@ -110,7 +110,8 @@ void run(graph::Node& node) {
     const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
     clock.end_stage(times, "viewpoint");
     const auto split = node.parameter<std::string>("split");
-    if ((split == "touching" || split == "shapes") && !recorded.cloud_C.organized()) {
+    const bool needs_image = split == "touching" || split == "shapes" || split == "wide";
+    if (needs_image && !recorded.cloud_C.organized()) {
       throw geometry::InputError(
           "Parameter split=" + split + " needs a cloud that is an image, '" + file + "' is none",
           "Leave it away (split:= of the launch files)");

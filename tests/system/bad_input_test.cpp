@@ -157,6 +157,16 @@ TEST_F(BadInput, CloudWithoutATable) {
   expect_cloud_failure(write("scatter.pcd", pcd(points, 20000)), {"No table"});
 }
 
+TEST_F(BadInput, SplittingByWhatOnlyImagesShow) {
+  std::string points;
+  for (int i = 0; i < 2000; ++i) {
+    points += std::to_string(0.01 * (i % 50)) + " " + std::to_string(0.01 * (i / 50)) + " " +
+              std::to_string(0.9 + 0.02 * (i % 7)) + "\n";
+  }
+  const std::string file = write("scattered.pcd", pcd(points, 2000));
+  expect_cloud_failure(file, {"split=wide", "scattered.pcd"}, {"split:=wide"});
+}
+
 TEST_F(BadInput, CloudInMillimetres) {
   std::string points;
   for (int i = 0; i < 2000; ++i) {
