@@ -109,12 +109,10 @@ void run(graph::Node& node) {
     clock.end_stage(times, "read");
     const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
     clock.end_stage(times, "viewpoint");
-    const auto split = node.parameter<std::string>("split");
-    const bool needs_image = split == "touching" || split == "shapes" || split == "wide";
-    if (needs_image && !recorded.cloud_C.organized()) {
-      throw geometry::InputError(
-          "Parameter split=" + split + " needs a cloud that is an image, '" + file + "' is none",
-          "Leave it away (split:= of the launch files)");
+    if (needs_organized(parameters.segmentation().split) && !recorded.cloud_C.organized()) {
+      throw geometry::InputError("Parameter split=" + node.parameter<std::string>("split") +
+                                     " needs a cloud that is an image, '" + file + "' is none",
+                                 "Leave it away (split:= of the launch files)");
     }
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);
     // Its colours are what the camera saw; a cloud that is no image has none to look at.

@@ -438,9 +438,7 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
   std::optional<geometry::RigidTransform> X_WC;
   if (world == RecordedWorld::kFile) X_WC = recorded.X_FC;
   if (!recorded.hypothetical_table_C) {
-    const bool needs_image =
-        options.split == Splitting::kTouching || options.split == Splitting::kShapes;
-    if (needs_image && !recorded.cloud_C.organized()) {
+    if (needs_organized(options.split) && !recorded.cloud_C.organized()) {
       throw InputError(
           "Taking things apart by creases (split touching, shapes or wide) needs an "
           "organized cloud, and this is none",

@@ -331,6 +331,10 @@ Plane transformed(const Plane& plane_B, const RigidTransform& X_AB) {
 
 }  // namespace
 
+bool needs_organized(Splitting splitting) {
+  return splitting == Splitting::kTouching || splitting == Splitting::kShapes;
+}
+
 void choose_splitting(std::string_view name, std::optional<double> widest_opening,
                       SegmentationOptions* options) {
   if (name == "none") {

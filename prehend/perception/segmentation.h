@@ -31,6 +31,9 @@ enum class Splitting {
   kShapes,
 };
 
+/// Whether it looks at a picture's neighbours, which clouds without an order have not.
+bool needs_organized(Splitting splitting);
+
 struct SegmentationOptions {
   Clustering clustering = Clustering::kEuclidean;
   /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond. 0: by

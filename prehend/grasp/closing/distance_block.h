@@ -9,9 +9,10 @@
 
 namespace prehend::grasp {
 
-/// Unsigned distances to a surface from blocks of 4 x 4 x 4 nodes: some four times as fast as
-/// SurfaceQuery::nearest() of each node, as one search finds the triangles that can be nearest to
-/// any of them. In single precision: wrong by some 1e-7 of the surface's size. Reentrant.
+/// Unsigned distances to a surface from blocks of 4 x 4 x 4 nodes: some seven times as fast as
+/// SurfaceQuery::nearest() of each node (BM_DistancesOfABlock), as one search finds the triangles
+/// that can be nearest to any of them. In single precision: wrong by some 1e-7 of the surface's
+/// size. Reentrant.
 class DistanceBlocks {
  public:
   /// Keeps a reference to `surface_W` and some 150 bytes a triangle.

@@ -242,10 +242,10 @@ class HandContract : public ::testing::TestWithParam<HandKind> {
     EXPECT_TRUE(outcome) << outcome.error();
     return outcome ? *outcome : Result();
   }
-  double value(const std::string& joint, bool rate = false) const {
+  double value(const std::string& joint) const {
     const msgs::JointState state = hand_->states.last();
     for (int i = 0; i < state.name_size(); ++i) {
-      if (state.name(i) == "hand_" + joint) return rate ? state.velocity(i) : state.position(i);
+      if (state.name(i) == "hand_" + joint) return state.position(i);
     }
     ADD_FAILURE() << "/joint_states has no hand_" << joint;
     return 0;
