@@ -14,6 +14,12 @@ namespace {
 constexpr int kOrientations = 8;
 constexpr int kQuickOrientations = 2;
 
+void check_once(const std::string& option, std::vector<std::uint64_t> seeds) {
+  std::sort(seeds.begin(), seeds.end());
+  if (std::adjacent_find(seeds.begin(), seeds.end()) == seeds.end()) return;
+  throw geometry::InputError(option + " gives a seed twice", "Give every seed once");
+}
+
 }  // namespace
 
 CaseChoice default_choice(const std::filesystem::path& out) {
@@ -44,7 +50,9 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
   app.add_flag("--quick", choice.quick, "two orientations instead of eight");
   app.add_flag("--list", choice.list, "print the names of the chosen cases and evaluate nothing");
   app.add_flag("--fresh", choice.fresh, "forget the results of earlier runs");
-  app.add_option("--seed", choice.seed, "of texture, noise and sampling")->capture_default_str();
+  app.add_option("--seed", choice.seeds,
+                 "of texture, noise and sampling; each case is there with each seed")
+      ->capture_default_str();
   app.add_option("--processes", choice.processes, "how many work at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
@@ -57,22 +65,24 @@ std::vector<DataSet> chosen_data_sets(const CaseChoice& choice) {
     throw geometry::InputError("--drawn gives seeds of scenes that are not evaluated",
                                "Give --groups varied, too");
   }
-  std::vector<std::uint64_t> seeds = choice.drawn;
-  std::sort(seeds.begin(), seeds.end());
-  if (std::adjacent_find(seeds.begin(), seeds.end()) != seeds.end()) {
-    throw geometry::InputError("--drawn gives a seed twice", "Give every seed once");
-  }
+  check_once("--drawn", choice.drawn);
   return data_sets_to_evaluate(choice.meshes, groups, choice.drawn);
 }
 
+const std::vector<std::uint64_t>& chosen_seeds(const CaseChoice& choice) {
+  check_once("--seed", choice.seeds);
+  return choice.seeds;
+}
+
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice) {
-  std::vector<Case> cases;
-  for (const Case& one :
-       make_cases(sets, choice.quick ? kQuickOrientations : kOrientations, choice.seed)) {
-    const std::vector<std::string>& only = choice.only;
-    if (only.empty() || std::find(only.begin(), only.end(), one.data_set->name) != only.end()) {
-      cases.push_back(one);
-    }
+  std::vector<Case> cases = of_each_seed(choice, [&](std::uint64_t seed) {
+    return make_cases(sets, choice.quick ? kQuickOrientations : kOrientations, seed);
+  });
+  const std::vector<std::string>& only = choice.only;
+  if (!only.empty()) {
+    std::erase_if(cases, [&](const Case& one) {
+      return std::find(only.begin(), only.end(), one.data_set->name) == only.end();
+    });
   }
   if (cases.empty()) {
     std::string known;

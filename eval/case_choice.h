@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -25,7 +26,7 @@ struct CaseChoice {
   bool quick = false;
   bool fresh = false;
   bool list = false;
-  std::uint64_t seed = 1;
+  std::vector<std::uint64_t> seeds{1};
   int processes = 1;
 
   /// Of run_cases().
@@ -42,9 +43,23 @@ void add_case_options(CLI::App& app, CaseChoice& choice);
 /// @throws geometry::InputError when --drawn has nothing to apply to, or a seed twice.
 std::vector<DataSet> chosen_data_sets(const CaseChoice& choice);
 
-/// The chosen cases of `sets`, which must outlive them: 8 orientations, 2 when quick.
-/// @throws geometry::InputError when there is none.
+/// The chosen cases of `sets`, which must outlive them: 8 orientations, 2 when quick, with each of
+/// the seeds. @throws geometry::InputError when there is none, or a seed twice.
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice);
+
+/// The seeds. @throws geometry::InputError when one is there twice.
+const std::vector<std::uint64_t>& chosen_seeds(const CaseChoice& choice);
+
+/// The elements of what `make` makes of each of the seeds. @throws geometry::InputError as
+/// chosen_seeds().
+template <class Make>
+auto of_each_seed(const CaseChoice& choice, const Make& make) {
+  decltype(make(std::uint64_t())) all;
+  for (const std::uint64_t seed : chosen_seeds(choice)) {
+    for (auto& one : make(seed)) all.push_back(std::move(one));
+  }
+  return all;
+}
 
 /// Prints the names of the cases, for --list. Returns main()'s exit code.
 int list_cases(const std::vector<Case>& cases);

@@ -213,11 +213,14 @@ void add_clutter(const std::vector<eval::DataSet>& sets, const Options& options,
   if (options.clutter == 0) return;
   const auto solids = eval::clutter_solids(sets, 1);
   std::vector<eval::ViewSegmentation> views;
-  for (const auto& one : eval::clutter_cases(options.clutter, options.choice.seed)) {
+  const auto scenes = eval::of_each_seed(options.choice, [&](std::uint64_t seed) {
+    return eval::clutter_cases(options.clutter, seed);
+  });
+  for (const eval::ClutterCase& one : scenes) {
     for (const auto sensor : {eval::DepthSensor::kStereo, eval::DepthSensor::kStructuredLight}) {
       views.push_back(eval::clutter_view(one, solids, sensor, options.segmentation()));
     }
-    std::fprintf(stderr, "\rclutter: %zu of %d scenes", views.size() / 2, options.clutter);
+    std::fprintf(stderr, "\rclutter: %zu of %zu scenes", views.size() / 2, scenes.size());
   }
   std::fprintf(stderr, "\n");
   tables.add("clutter", "Generated clutter, 1 to 12 objects a scene", kSegmentationHeader,
@@ -237,9 +240,14 @@ int run(const Options& options) {
   tables.folder = options.choice.out;
   if (options.choice.groups.empty() && options.choice.meshes.empty()) {
     add_recordings(tables);
-    tables.add("rendered", "Rendered tables, four objects each", kSegmentationHeader,
-               segmentation_rows(eval::rendered_segmentation(options.scenes, options.choice.seed,
-                                                             options.segmentation())));
+    for (const std::uint64_t seed : options.choice.seeds) {
+      const std::string name = fmt::format("rendered_seed{}", seed);
+      tables.add(options.choice.seeds.size() > 1 ? name : "rendered",
+                 fmt::format("Rendered tables, four objects each, seed {}", seed),
+                 kSegmentationHeader,
+                 segmentation_rows(
+                     eval::rendered_segmentation(options.scenes, seed, options.segmentation())));
+    }
     add_clutter(sets, options, tables);
   }
   const bool complete = add_views(cases, options, tables);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/grasp/share_bounds.h"
 #include "eval/text_files.h"
 #include "prehend/report/page.h"
 #include "prehend/text/json.h"
@@ -67,10 +68,9 @@ std::vector<DexTotals> dex_totals(const std::vector<DexCase>& cases,
 Rows hold_rows(const std::vector<DexTotals>& all) {
   Rows rows;
   for (const DexTotals& t : all) {
-    const ShareBounds bounds = share_bounds(t.held, t.tried);
     rows.push_back({t.name, t.test, std::to_string(t.cases), std::to_string(t.unplanned),
                     std::to_string(t.tried), fmt::format("{:.1f} %", 100 * t.share()),
-                    fmt::format("{:.1f} to {:.1f}", 100 * bounds.low, 100 * bounds.high),
+                    to_string(share_bounds(t.held, t.tried)),
                     fmt::format("{} of {}", t.held_first, t.cases - t.unplanned),
                     fmt::format("{:.2f}", 1e3 * t.depth),
                     fmt::format("{:.2f}", 1e3 * t.largest_depth),
@@ -189,15 +189,6 @@ text::Json json_of(const std::vector<DexTotals>& all) {
 }
 
 }  // namespace
-
-ShareBounds share_bounds(int held, int tried) {
-  if (tried <= 0) return {};
-  constexpr double z = 1.959963984540054;
-  const double n = tried, p = held / n;
-  const double middle = (p + z * z / (2 * n)) / (1 + z * z / n);
-  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
-  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
-}
 
 std::vector<DexTotals> totals_by_hand(const std::vector<DexCase>& cases) {
   return dex_totals(cases, [](const DexCase& one) { return one.hand; });

@@ -33,9 +33,16 @@ const std::vector<std::pair<std::string, belief::EvidenceUse>> kEvidence{
     {"empty_space", belief::EvidenceUse::kEmptySpace},
     {"looks", belief::EvidenceUse::kLooks}};
 
+std::vector<std::string> names_of_planned_on() {
+  std::vector<std::string> names;
+  for (const eval::PlannedOn on : eval::kPlannedOn) names.emplace_back(to_string(on));
+  return names;
+}
+
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/grasp");
   std::vector<std::string> platforms{"stage_pg70"};
+  std::vector<std::string> planned_on = names_of_planned_on();
   bool open_loop = false;
   std::string evidence = kEvidence.back().first;
   std::string task = "pick_and_place";
@@ -54,7 +61,8 @@ std::optional<eval::GraspCase> known_result(const fs::path& file,
   try {
     eval::GraspCase result = eval::read_grasp_case(file);
     const bool complete = std::all_of(settings.begin(), settings.end(), [&](const auto& setting) {
-      return result.trial(setting.name) != nullptr;
+      const eval::GraspTrial* trial = result.trial(setting.name);
+      return trial != nullptr && trial->is_planned_only == !setting.is_executed;
     });
     if (complete) return result;
   } catch (const std::exception& error) {
@@ -71,7 +79,7 @@ int run(const Options& options) {
   for (const std::string& name : options.platforms) {
     platforms.emplace_back(robot::platform_file(options.robots, name), choice);
   }
-  const std::vector<eval::PlannerSetting> settings = eval::compared_settings();
+  const std::vector<eval::PlannerSetting> settings = eval::compared_settings(options.planned_on);
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> views = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(views);
@@ -131,6 +139,12 @@ int main(int argc, char** argv) {
          "--platform", options.platforms,
          "arms with hands to evaluate, one or more: what is in --robots, or a file; planned "
          "with the arm's motion and executed by the cycle that runs on the robot")
+      ->capture_default_str();
+  app.add_option("--planned-on", options.planned_on,
+                 "what grasps are executed that were planned on the predicted shape, the truth or "
+                 "the Delaunay surface of what was seen. On the truth they are planned in any "
+                 "case, as this tells whether an object fits the hand")
+      ->check(CLI::IsMember(names_of_planned_on()))
       ->capture_default_str();
   std::vector<std::string> uses;
   for (const auto& [name, use] : kEvidence) uses.push_back(name);

@@ -93,6 +93,12 @@ const GraspTrial* GraspCase::trial(const std::string& setting) const {
   return found == trials.end() ? nullptr : &*found;
 }
 
+std::vector<GraspTrial> GraspCase::executed() const {
+  std::vector<GraspTrial> result = trials;
+  std::erase_if(result, [](const GraspTrial& t) { return t.is_planned_only; });
+  return result;
+}
+
 bool GraspCase::fits() const {
   const GraspTrial* truth = trial(to_string(PlannedOn::kTruth));
   return truth != nullptr && truth->best_robustness >= 0.5;
@@ -117,6 +123,7 @@ void write_grasp_case(const std::filesystem::path& file, const GraspCase& result
     put_text(out, "problem", trial.problem);
     put_text(out, "outcome", trial.outcome);
     put_text(out, "stage", trial.stage);
+    put(out, "planned_only", trial.is_planned_only);
     put(out, "lifted", trial.lifted);
     for (const Count& count : kCounts) put(out, count.name, trial.*count.value);
     for (const Figure& figure : kFigures) put(out, figure.name, trial.*figure.value);
@@ -145,6 +152,7 @@ GraspCase read_grasp_case(const std::filesystem::path& file) {
       trial.problem = one["problem"].as<std::string>();
       trial.outcome = one["outcome"].as<std::string>();
       trial.stage = one["stage"].as<std::string>();
+      trial.is_planned_only = one["planned_only"].as<bool>();
       trial.lifted = one["lifted"].as<bool>();
       trial.surprises = surprises_of(one["surprises"]);
       for (const Count& count : kCounts) trial.*count.value = one[count.name].as<int>();

@@ -11,6 +11,8 @@ namespace prehend::eval {
 
 /// What grasps are planned on. They are executed on the truth all the same.
 enum class PlannedOn { kPredicted, kTruth, kDelaunay };
+inline constexpr PlannedOn kPlannedOn[] = {PlannedOn::kPredicted, PlannedOn::kTruth,
+                                           PlannedOn::kDelaunay};
 const char* to_string(PlannedOn planned_on);
 
 /// The stage of a trial of which success was said, but is none.
@@ -20,7 +22,8 @@ inline constexpr const char* kSaidUntruly = "truth";
 struct GraspTrial {
   std::string setting;  // of the planner; "predicted", "truth", "delaunay" for the defaults
   std::string problem;  // why nothing was executed
-  std::string outcome;  // of the execution's first attempt, in words
+  bool is_planned_only = false;  // as it was to tell whether the object fits
+  std::string outcome;           // of the execution's first attempt, in words
   /// Where the first attempt ended that did not succeed: view, plan, arm (it has no motion), a
   /// phase of the cycle, or kSaidUntruly; else empty.
   std::string stage;
@@ -61,6 +64,8 @@ struct GraspCase {
   std::vector<GraspTrial> trials;
 
   const GraspTrial* trial(const std::string& setting) const;
+  /// Trials that were to be executed.
+  std::vector<GraspTrial> executed() const;
   /// Knowing the truth, the planner finds a grasp that holds in at least half of its disturbed
   /// trials (see grasp::UncertaintyOptions).
   bool fits() const;

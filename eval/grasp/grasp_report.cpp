@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/grasp/share_bounds.h"
 #include "eval/grasp/success_fit.h"
 #include "eval/grasp/surprise_totals.h"
 #include "eval/text_files.h"
@@ -47,7 +48,7 @@ std::vector<std::string> groups_of(const std::vector<GraspCase>& cases) {
 std::vector<std::string> settings_of(const std::vector<GraspCase>& cases) {
   std::vector<std::string> names;
   for (const GraspCase& one : cases) {
-    for (const GraspTrial& trial : one.trials) {
+    for (const GraspTrial& trial : one.executed()) {
       if (std::find(names.begin(), names.end(), trial.setting) == names.end()) {
         names.push_back(trial.setting);
       }
@@ -94,6 +95,10 @@ std::string share_text(int part, int whole) {
   return whole > 0 ? fmt::format("{} of {} ({:.0f} %)", part, whole, 100.0 * part / whole) : "-";
 }
 
+std::string bounds_text(int part, int whole) {
+  return whole > 0 ? to_string(share_bounds(part, whole)) : "-";
+}
+
 std::string millimetres(double metres) {
   return std::isnan(metres) ? "-" : fmt::format("{:.2f}", metres * 1e3);
 }
@@ -103,7 +108,9 @@ const std::vector<std::string> kTotalsHeader{"platform",
                                              "group",
                                              "planned on",
                                              "at first",
+                                             "95 % interval",
                                              "within three",
+                                             "95 % interval",
                                              "no grasp",
                                              "slip [mm]",
                                              "contact error [mm]",
@@ -116,7 +123,8 @@ Rows totals_rows(const std::vector<GraspCase>& cases) {
   for (const GraspTotals& t : grasp_totals(cases)) {
     rows.push_back(
         {t.platform, t.group, t.setting, share_text(t.first, t.cases),
-         share_text(t.within_three, t.cases), fmt::format("{}", t.unplanned), millimetres(t.slip),
+         bounds_text(t.first, t.cases), share_text(t.within_three, t.cases),
+         bounds_text(t.within_three, t.cases), fmt::format("{}", t.unplanned), millimetres(t.slip),
          millimetres(t.contact_error),
          std::isnan(t.area_error) ? "-" : fmt::format("{:.0f}", 100 * t.area_error),
          millimetres(t.opening_error),
@@ -127,7 +135,10 @@ Rows totals_rows(const std::vector<GraspCase>& cases) {
 
 std::vector<std::string> objects_header(const std::vector<GraspCase>& cases) {
   std::vector<std::string> header{"platform", "group", "object", "others", "fits"};
-  for (const auto& setting : settings_of(cases)) header.push_back(setting);
+  for (const auto& setting : settings_of(cases)) {
+    header.push_back(setting);
+    header.emplace_back("95 % at first");
+  }
   return header;
 }
 
@@ -150,6 +161,7 @@ Rows objects_rows(const std::vector<GraspCase>& cases) {
       for (const auto& setting : settings_of(cases)) {
         const GraspTotals t = totals_of(views, platform, setting);
         rows.back().push_back(t.cases > 0 ? fmt::format("{} / {}", t.first, t.within_three) : "-");
+        rows.back().push_back(bounds_text(t.first, t.cases));
       }
     }
   }
@@ -183,7 +195,7 @@ Rows reasons_rows(const std::vector<GraspCase>& cases) {
   std::map<std::vector<std::string>, int> counts;
   for (const GraspCase& one : cases) {
     if (!one.fits()) continue;
-    for (const GraspTrial& trial : one.trials) {
+    for (const GraspTrial& trial : one.executed()) {
       if (trial.lifted_at_first()) continue;
       ++counts[{one.platform, trial.setting, trial.stage.empty() ? "-" : trial.stage,
                 without_numbers(why_not_at_first(trial))}];
@@ -309,7 +321,7 @@ std::string cases_csv(const std::vector<GraspCase>& cases) {
       "error_m,"
       "area_error,opening_error_m,robustness,guessed_contact,plan_s,stage,why\n";
   for (const GraspCase& one : cases) {
-    for (const GraspTrial& t : one.trials) {
+    for (const GraspTrial& t : one.executed()) {
       std::string why = t.outcome.empty() ? t.problem : t.outcome;
       std::replace(why.begin(), why.end(), '"', '\'');
       csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n",
@@ -367,7 +379,11 @@ std::string grasp_json(const std::vector<GraspCase>& cases) {
                    .set("cases", t.cases)
                    .set("no_grasp", t.unplanned)
                    .set("first", t.first_share())
+                   .set("first_low", share_bounds(t.first, t.cases).low)
+                   .set("first_high", share_bounds(t.first, t.cases).high)
                    .set("within_three", t.within_three_share())
+                   .set("within_three_low", share_bounds(t.within_three, t.cases).low)
+                   .set("within_three_high", share_bounds(t.within_three, t.cases).high)
                    .set("slip_m", t.slip)
                    .set("contact_error_m", t.contact_error)
                    .set("contact_area_error", t.area_error)
@@ -401,7 +417,9 @@ void write_grasp_report(const std::filesystem::path& folder, const std::vector<G
       "shape, on the true one and on the Delaunay surface of what was seen, and executed in "
       "simulation on the true one. What else is in the scene is rendered and in the way, and does "
       "not move. Counted are views of objects that fit the hand: knowing the "
-      "truth, the planner finds a grasp that holds in at least half of its disturbed trials.");
+      "truth, the planner finds a grasp that holds in at least half of its disturbed trials. "
+      "Intervals are Wilson's, of 95 %, as if the views of one object had nothing to do with each "
+      "other.");
   for (const Goal& goal : goals_of(cases)) page.add_verdict(goal.text, goal.met);
   page.add_table(kTotalsHeader, totals_rows(cases));
   for (const auto& platform : platforms_of(cases)) {

@@ -14,10 +14,13 @@
 #include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
-std::vector<PlannerSetting> compared_settings() {
+std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& executed) {
   std::vector<PlannerSetting> settings;
-  for (const PlannedOn on : {PlannedOn::kPredicted, PlannedOn::kTruth, PlannedOn::kDelaunay}) {
-    settings.push_back({to_string(on), on, {}, {}});
+  for (const PlannedOn on : kPlannedOn) {
+    const bool is_executed =
+        std::find(executed.begin(), executed.end(), to_string(on)) != executed.end();
+    if (!is_executed && on != PlannedOn::kTruth) continue;
+    settings.push_back({to_string(on), on, {}, {}, is_executed});
     // The truth is not wider than the object.
     if (on != PlannedOn::kTruth) continue;
     settings.back().change = [](grasp::PlannerOptions* options) {
@@ -99,6 +102,7 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
       trial.stage = on != PlannedOn::kTruth && !seen ? "view" : "plan";
     }
     trial.setting = setting.name;
+    trial.is_planned_only = !setting.is_executed;
     result.trials.push_back(std::move(trial));
   }
   return result;

@@ -8,8 +8,10 @@
 
 namespace prehend::eval {
 
-/// The planner's defaults on the prediction, on the truth and on the Delaunay surface.
-std::vector<PlannerSetting> compared_settings();
+/// The planner's defaults on those of the prediction, the truth and the Delaunay surface whose
+/// names, to_string(), are in `executed`; on the truth, which tells whether an object fits, in any
+/// case.
+std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& executed);
 
 /// What attempts found out is used as `evidence` says when the object is seen again.
 ///

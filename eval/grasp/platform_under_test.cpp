@@ -56,6 +56,8 @@ GraspTrial PlatformUnderTest::grasp(const Belief& believed, const TrueObject& tr
   trial.grasps = static_cast<int>(first.picks.size());
   trial.problem = grasp::in_words(first);
   trial.best_robustness = std::max(0.0, first.robustness);
+  trial.is_planned_only = !setting.is_executed;
+  if (trial.is_planned_only) return trial;
   if (first.picks.empty()) {
     trial.stage = first.arm_rejections.empty() ? "plan" : "arm";
     return trial;

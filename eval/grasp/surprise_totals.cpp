@@ -36,7 +36,7 @@ std::vector<SurpriseTotals> surprise_totals(const std::vector<GraspCase>& cases)
   std::vector<FeltByKind> all;
   for (const GraspCase& one : cases) {
     if (!one.fits()) continue;
-    for (const GraspTrial& trial : one.trials) {
+    for (const GraspTrial& trial : one.executed()) {
       auto found = std::find_if(all.begin(), all.end(), [&](const FeltByKind& felt) {
         return felt.platform == one.platform && felt.setting == trial.setting;
       });

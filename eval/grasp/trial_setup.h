@@ -22,7 +22,8 @@ struct PlannerSetting {
   PlannedOn planned_on = PlannedOn::kPredicted;
   /// What it changes of the hand's default options; empty: nothing.
   std::function<void(grasp::PlannerOptions* options)> change;
-  int alternatives = 0;  // shapes besides the predicted one on which grasps are tried
+  int alternatives = 0;     // shapes besides the predicted one on which grasps are tried
+  bool is_executed = true;  // else it is only planned
 };
 
 /// An object as a hand meets it: in the world, on the table z = 0.

@@ -63,7 +63,7 @@ std::vector<ClutterCase> clutter_cases(int count, std::uint64_t seed) {
   for (int i = 0; i < count; ++i) {
     ClutterCase one;
     one.kind = kKinds[static_cast<std::size_t>(i) % std::size(kKinds)];
-    one.name = fmt::format("scene_{:03}_{}", i, one.kind);
+    one.name = fmt::format("scene_{:03}_{}-seed{}", i, one.kind, seed);
     one.varied = 1;
     simulation::ClutterOptions& options = one.options;
     options.count = 1 + (i * 5 + 2) % 12;

@@ -96,8 +96,9 @@ std::string summary_of(const std::vector<std::string>& platforms,
 
 int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
-  const std::vector<eval::TableScene> scenes =
-      eval::make_table_scenes(sets, options.scenes, options.choice.seed);
+  const auto scenes = eval::of_each_seed(options.choice, [&](std::uint64_t seed) {
+    return eval::make_table_scenes(sets, options.scenes, seed);
+  });
   std::vector<Run> runs;
   for (const std::string& platform : options.platforms) {
     for (const eval::TableScene& scene : scenes) runs.push_back({&scene, platform});

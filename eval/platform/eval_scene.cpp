@@ -187,7 +187,9 @@ ClearResult result_of(const Run& one, const std::vector<simulation::ClutterSolid
 
 int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
-  const auto cases = eval::clutter_cases(options.scenes, options.choice.seed);
+  const auto cases = eval::of_each_seed(options.choice, [&](std::uint64_t seed) {
+    return eval::clutter_cases(options.scenes, seed);
+  });
   std::vector<Run> runs;
   for (const std::string& platform : options.platforms) {
     for (const eval::ClutterCase& one : cases) runs.push_back({&one, platform});

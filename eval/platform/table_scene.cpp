@@ -67,7 +67,7 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
   std::vector<TableScene> scenes;
   for (int i = 0; i < count; ++i) {
     TableScene& scene = scenes.emplace_back();
-    scene.name = fmt::format("scene_{:03}", i);
+    scene.name = fmt::format("scene_{:03}-seed{}", i, seed);
     std::vector<double> radii;
     const int bodies = 1 + i % kMostBodies;
     for (int b = 0; b < bodies; ++b) {

@@ -67,6 +67,14 @@ TEST_P(CaseChoiceOf, ListsTheCasesOfGroups) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path / "out"));
 }
 
+TEST_P(CaseChoiceOf, HasEachCaseWithEachSeed) {
+  EXPECT_EQ(run("--groups hard --only vase --quick --seed 7 2 --list"),
+            "hard-vase-000-seed7\nhard-vase-180-seed7\nhard-vase-000-seed2\nhard-vase-180-seed2\n");
+  EXPECT_EQ(code_, 0);
+  EXPECT_THAT(run("--groups hard --seed 7 2 7 --list"), HasSubstr("--seed gives a seed twice"));
+  EXPECT_NE(code_, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Programs, CaseChoiceOf, ::testing::ValuesIn(kPrograms),
                          [](const auto& one) { return std::string(one.param); });
 

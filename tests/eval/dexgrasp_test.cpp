@@ -13,6 +13,7 @@
 
 #include "eval/grasp/dexgrasp_case.h"
 #include "eval/grasp/dexgrasp_report.h"
+#include "eval/grasp/share_bounds.h"
 #include "eval/grasp/trial_setup.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/grasp/planner.h"

@@ -103,6 +103,24 @@ TEST(GraspTotals, CountOnlyObjectsThatFit) {
   EXPECT_TRUE(std::filesystem::exists(folder.path / "cases.csv"));
 }
 
+TEST(GraspTotals, WhatWasPlannedOnlySaysWhatFitsAndIsNotCounted) {
+  GraspTrial truth = trial_of("truth", 5, 0, false), narrow = truth;
+  truth.is_planned_only = narrow.is_planned_only = true;
+  narrow.best_robustness = 0.4;
+  const std::vector<GraspCase> cases{case_of("can", {trial_of("predicted", 3, 1, true), truth}),
+                                     case_of("tub", {trial_of("predicted", 3, 1, true), narrow})};
+  const auto totals = grasp_totals(cases);
+  ASSERT_EQ(totals.size(), 1u);
+  EXPECT_EQ(totals[0].setting, "predicted");
+  EXPECT_EQ(totals[0].cases, 1);
+  EXPECT_EQ(grasp_text(cases).find("truth"), std::string::npos) << grasp_text(cases);
+  // One of one, after Wilson.
+  EXPECT_NE(grasp_text(cases).find("20.7 to 100.0"), std::string::npos) << grasp_text(cases);
+  const testing::TemporaryFolder folder;
+  write_grasp_case(folder.path / "a.yaml", cases[0]);
+  EXPECT_TRUE(read_grasp_case(folder.path / "a.yaml").trials[1].is_planned_only);
+}
+
 TEST(GraspTotals, AreOfEachGroupAndOfAll) {
   std::vector<GraspCase> cases{
       case_of("can", {trial_of("predicted", 3, 1, true), trial_of("truth", 5, 1, true)}),
