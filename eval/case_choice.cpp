@@ -24,13 +24,13 @@ void check_once(const std::string& option, std::vector<std::uint64_t> seeds) {
 
 CaseChoice default_choice(const std::filesystem::path& out) {
   CaseChoice choice;
-  choice.out = out;
-  choice.processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  choice.runs.out = out;
+  choice.runs.processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   return choice;
 }
 
 void add_case_options(CLI::App& app, CaseChoice& choice) {
-  app.add_option("--out", choice.out, "folder of the page, tables, figures and single results")
+  app.add_option("--out", choice.runs.out, "folder of the page, tables, figures and single results")
       ->capture_default_str();
   app.add_option("--json", choice.json, "file for the goals and totals");
   app.add_option(
@@ -49,13 +49,10 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
   app.add_option("--only", choice.only, "names of the data sets to evaluate; default: all");
   app.add_flag("--quick", choice.quick, "two orientations instead of eight");
   app.add_flag("--list", choice.list, "print the names of the chosen cases and evaluate nothing");
-  app.add_flag("--fresh", choice.fresh, "forget the results of earlier runs");
   app.add_option("--seed", choice.seeds,
                  "of texture, noise and sampling; each case is there with each seed")
       ->capture_default_str();
-  app.add_option("--processes", choice.processes, "how many work at a time")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+  add_run_options(app, choice.runs);
 }
 
 std::vector<DataSet> chosen_data_sets(const CaseChoice& choice) {

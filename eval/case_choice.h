@@ -17,26 +17,21 @@ namespace prehend::eval {
 /// What is evaluated and where it goes: options of the programs that evaluate data sets seen in
 /// several orientations.
 struct CaseChoice {
-  std::filesystem::path out;
+  CaseRunOptions runs;
   std::filesystem::path json;
   std::filesystem::path meshes;
   std::vector<std::string> groups;
   std::vector<std::uint64_t> drawn;  // seeds of the group varied; empty: 1
   std::vector<std::string> only;
   bool quick = false;
-  bool fresh = false;
   bool list = false;
   std::vector<std::uint64_t> seeds{1};
-  int processes = 1;
-
-  /// Of run_cases().
-  CaseRunOptions runs() const { return {out, processes, fresh, {}}; }
 };
 
 /// @param out the folder, unless --out names another one.
 CaseChoice default_choice(const std::filesystem::path& out);
-/// --out, --json, --groups, --drawn, --meshes, --only, --quick, --list, --fresh, --seed,
-/// --processes.
+/// --out, --json, --groups, --drawn, --meshes, --only, --quick, --list, --seed, and those of
+/// add_run_options().
 void add_case_options(CLI::App& app, CaseChoice& choice);
 
 /// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate().

@@ -5,7 +5,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/whole_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -73,7 +72,7 @@ shape::Evidence read_evidence(const YAML::Node& node) {
 
 }  // namespace
 
-void write_case_result(const std::filesystem::path& file, const CaseResult& result) {
+std::string to_text(const CaseResult& result) {
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   out << YAML::BeginMap << YAML::Key << "case" << YAML::Value << result.case_name  //
@@ -97,12 +96,12 @@ void write_case_result(const std::filesystem::path& file, const CaseResult& resu
   }
   out << YAML::EndSeq << YAML::EndMap;
 
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-CaseResult read_case_result(const std::filesystem::path& file) {
+CaseResult read_case_result(const std::string& text) {
   try {
-    const YAML::Node root = YAML::LoadFile(file.string());
+    const YAML::Node root = YAML::Load(text);
     CaseResult result;
     result.case_name = root["case"].as<std::string>();
     result.group = root["group"].as<std::string>();
@@ -125,8 +124,8 @@ CaseResult read_case_result(const std::filesystem::path& file) {
     }
     return result;
   } catch (const YAML::Exception& error) {
-    throw InputError("The file '" + file.string() + "' is no result of a case: " + error.what(),
-                     "Remove it; the case is then evaluated again");
+    throw InputError(std::string("The text is no result of a case: ") + error.what(),
+                     "Run the case again");
   }
 }
 

@@ -50,11 +50,8 @@ struct CaseResult {
   std::vector<MethodResult> methods;
 };
 
-/// Writes the result as YAML so that the file is whole or absent, whenever the process ends.
-/// @throws geometry::InputError when the folder cannot be written.
-void write_case_result(const std::filesystem::path& file, const CaseResult& result);
-
-/// @throws geometry::InputError naming the file when it is no result.
-CaseResult read_case_result(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const CaseResult& result);
+CaseResult read_case_result(const std::string& text);
 
 }  // namespace prehend::eval

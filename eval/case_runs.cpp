@@ -1,21 +1,24 @@
 #include "eval/case_runs.h"
 
-#include <unistd.h>
-
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <map>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
 #include "eval/hard_objects.h"
 #include "eval/household_objects.h"
-#include "eval/process_pool.h"
 #include "eval/text_files.h"
 #include "eval/varied_scenes.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/sweep/results.h"
+#include "prehend/sweep/workers/folder_lock.h"
+#include "prehend/sweep/workers/mpi_ranks.h"
+#include "prehend/sweep/workers/run_cases.h"
+#include "prehend/sweep/workers/said_progress.h"
 
 namespace prehend::eval {
 namespace {
@@ -25,38 +28,83 @@ namespace fs = std::filesystem;
 // Results of another build are no results of this one.
 std::string identity_of_this_program() {
   const fs::path self = fs::canonical("/proc/self/exe");
-  return fmt::format("{} bytes, changed {}\n", fs::file_size(self),
+  return fmt::format("{} bytes, changed {}", fs::file_size(self),
                      fs::last_write_time(self).time_since_epoch().count());
 }
 
-void prepare_cases_folder(const fs::path& folder, const CaseRunOptions& options) {
-  const fs::path stamp = folder / "made_by";
-  std::string made_by;
-  if (std::ifstream stream(stamp); stream) {
-    made_by.assign(std::istreambuf_iterator<char>(stream), {});
-  }
-  const std::string self = identity_of_this_program() + options.setting;
-  if (options.fresh || (!made_by.empty() && made_by != self)) {
-    std::printf("Starting afresh: the results in '%s' are %s.\n", folder.c_str(),
-                options.fresh ? "not wanted" : "of another build or setting");
-    fs::remove_all(folder);
-  }
-  write_text(stamp, self);
+constexpr const char* kResultFile = "result.txt";  // in the case's folder
+
+fs::path folder_of(const CaseRunOptions& options, const std::string& name) {
+  return fs::absolute(options.out) / "cases" / name;
 }
 
-void show_progress(const PoolProgress& progress, std::size_t known) {
-  static const bool terminal = isatty(STDOUT_FILENO) != 0;
-  static int last = -1;
-  if (progress.done == last && !terminal) return;
-  const bool every = terminal || progress.done == progress.total || progress.done % 16 == 0;
-  if (!every || (progress.done == last && progress.done == 0)) return;
-  last = progress.done;
-  const double left =
-      progress.done > 0 ? progress.seconds / progress.done * (progress.total - progress.done) : 0;
-  std::printf("%s%d of %d cases (%zu known before), %.0f s, about %.0f s left%s",
-              terminal ? "\r" : "", progress.done, progress.total, known, progress.seconds, left,
-              terminal ? "   " : "\n");
-  std::fflush(stdout);
+sweep::CaseOrder order_of(const CaseRunOptions& options, const std::string& name,
+                          std::int64_t index) {
+  sweep::CaseOrder order;
+  order.index = index;
+  order.name = name;
+  order.folder = folder_of(options, name).string();
+  order.results = {sweep::ResultSource::Kind::kText, kResultFile, {}};
+  order.timeout = options.timeout;
+  order.keep = false;
+  return order;
+}
+
+void forget_others(const CaseRunOptions& options, sweep::ResultStore& store) {
+  const std::map<std::string, std::string> fixed{{"build", identity_of_this_program()},
+                                                 {"setting", options.setting}};
+  if (!options.fresh && store.agrees_with(fixed)) return;
+  if (const auto counts = store.counts(); counts.done + counts.failed > 0) {
+    std::printf("Starting afresh: the results in '%s' are %s.\n", options.out.c_str(),
+                options.fresh ? "not wanted" : "of another build or setting");
+  }
+  store.begin_anew(fixed);
+}
+
+void say_failed(const sweep::CaseResult& result) {
+  std::fprintf(stderr, "%s: %s\n", result.name.c_str(), result.problem.c_str());
+  std::istringstream lines(result.output);
+  for (std::string line; std::getline(lines, line);) {
+    std::fprintf(stderr, "    %s\n", line.c_str());
+  }
+}
+
+// The text of a result that is there.
+std::optional<std::string> text_in(const sweep::CaseResult& result) {
+  if (result.failed() || result.rows.rows.empty()) return std::nullopt;
+  return result.rows.rows.front().front();
+}
+
+bool is_known(const sweep::ResultStore& store, const std::string& name,
+              const std::function<bool(const std::string&)>& is_whole) {
+  const std::optional<sweep::CaseResult> result = store.find(name);
+  const std::optional<std::string> text = result ? text_in(*result) : std::nullopt;
+  if (!text) return false;
+  try {
+    return is_whole(*text);
+  } catch (const geometry::InputError& error) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
+    return false;
+  }
+}
+
+// Runs what is open; false when the user stopped it.
+bool run_open(const CaseRunOptions& options, const std::vector<std::string>& names,
+              std::vector<sweep::OpenCase> open, sweep::Workers& workers,
+              sweep::ResultStore& store) {
+  sweep::Handout handout(std::move(open));
+  sweep::SaidProgress said;
+  const sweep::RunProgress progress = sweep::run_cases(
+      handout, workers, store,
+      [&](std::int64_t i) { return order_of(options, names[static_cast<std::size_t>(i)], i); },
+      [&](const sweep::RunProgress& now) { said.say(now); });
+  said.end();
+  sweep::print_summary(progress);
+  std::error_code ignored;  // it stays where cases failed
+  fs::remove(options.out / "cases", ignored);
+  if (!progress.is_stopped) return true;
+  std::printf("Stopped. What ended is kept; start it again to go on\n");
+  return false;
 }
 
 }  // namespace
@@ -109,30 +157,67 @@ std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
   return sets;
 }
 
-fs::path case_file(const CaseRunOptions& options, const std::string& name) {
-  return options.out / "cases" / (name + ".yaml");
+void add_run_options(CLI::App& app, CaseRunOptions& runs) {
+  CLI::Option* processes = app.add_option("--processes", runs.processes, "how many work at a time")
+                               ->check(CLI::Range(1, 256))
+                               ->capture_default_str();
+  CLI::Option* mpi = app.add_flag("--mpi", runs.mpi,
+                                  "under mpirun or srun: the first rank hands out, each other runs "
+                                  "a case at a time");
+  app.add_option("--lost-after", runs.lost_after,
+                 "seconds of a rank's silence after which another gets its case")
+      ->check(CLI::Range(2.0, 86400.0))
+      ->capture_default_str()
+      ->needs(mpi);
+  app.add_flag("--fresh", runs.fresh, "forget the results of earlier runs");
+  mpi->excludes(processes);
 }
 
-std::map<int, std::string> run_cases(const CaseRunOptions& options,
-                                     const std::vector<std::string>& names,
-                                     const std::function<bool(int, const fs::path&)>& known,
-                                     const std::function<void(int, const fs::path&)>& run) {
-  prepare_cases_folder(options.out / "cases", options);
-  std::vector<int> open;
-  for (int i = 0; i < static_cast<int>(names.size()); ++i) {
-    if (!known(i, case_file(options, names[i]))) open.push_back(i);
-  }
-  std::map<int, std::string> crashed;
-  if (open.empty()) return crashed;
+std::vector<CaseOutcome<std::string>> run_text_cases(
+    const CaseRunOptions& options, const std::vector<std::string>& names,
+    const std::function<bool(const std::string& text)>& is_whole,
+    const std::function<std::string(int)>& run) {
   cv::setNumThreads(1);  // the processes share the cores
-  for (const CrashedTask& task : run_in_processes(
-           static_cast<int>(open.size()), options.processes, options.out / "output.txt",
-           [&](int i) { run(open[i], case_file(options, names[open[i]])); },
-           [&](const PoolProgress& p) { show_progress(p, names.size() - open.size()); })) {
-    crashed[open[task.task]] = task.how;
-  }
-  std::printf("\n");
-  return crashed;
+  const sweep::CaseBody body = [&](const sweep::CaseOrder& order) {
+    write_text(fs::path(order.folder) / kResultFile, run(static_cast<int>(order.index)));
+  };
+  std::vector<CaseOutcome<std::string>> outcomes;
+  bool is_first = false;
+  const auto lead = [&](sweep::Workers* ranks) {
+    is_first = true;
+    fs::create_directories(options.out);
+    const sweep::FolderLock lock(options.out / "lock", false, "'" + options.out.string() + "'");
+    sweep::ResultStore store(options.out / "results.db");
+    forget_others(options, store);
+    std::vector<sweep::OpenCase> open;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const int index = static_cast<int>(i);
+      if (!is_known(store, names[i], is_whole)) {
+        open.push_back({index, store.seconds(names[i])});
+      }
+    }
+    if (const std::size_t known = names.size() - open.size(); known > 0) {
+      std::printf("%zu of %zu cases are known already\n", known, names.size());
+    }
+    if (!open.empty()) {
+      const int count = std::min(options.processes, static_cast<int>(open.size()));
+      const auto here = ranks ? nullptr : sweep::workers_here(count, body);
+      if (!run_open(options, names, std::move(open), ranks ? *ranks : *here, store)) return 130;
+    }
+    for (const std::string& name : names) {
+      const auto result = store.find(name);
+      outcomes.push_back({result ? text_in(*result) : std::nullopt, "It was not run"});
+      if (result) outcomes.back().problem = result->problem;
+      if (result && result->failed()) say_failed(*result);
+    }
+    return 0;
+  };
+  const int code =
+      options.mpi ? sweep::hand_out_to_ranks(options.lost_after, body,
+                                             [&](sweep::Workers& ranks) { return lead(&ranks); })
+                  : lead(nullptr);
+  if (!is_first || code != 0) std::exit(code);
+  return outcomes;
 }
 
 }  // namespace prehend::eval

@@ -40,28 +40,15 @@ struct Options {
   }
 };
 
-// The file's result, if it has one of every method.
-std::optional<eval::CaseResult> known_result(const fs::path& file,
-                                             const std::vector<eval::Method>& methods) {
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    eval::CaseResult result = eval::read_case_result(file);
-    const auto has = [&](const eval::Method& method) {
-      return std::any_of(result.methods.begin(), result.methods.end(),
-                         [&](const eval::MethodResult& m) { return m.method == method.name; });
-    };
-    if (result.problem.empty() && !std::all_of(methods.begin(), methods.end(), has)) {
-      return std::nullopt;
-    }
-    return result;
-  } catch (const std::exception& error) {
-    std::printf("%s\n", error.what());
-    return std::nullopt;
-  }
+// Whether it is of every method.
+bool is_complete(const eval::CaseResult& result, const std::vector<eval::Method>& methods) {
+  if (!result.problem.empty()) return true;
+  return std::all_of(methods.begin(), methods.end(), [&](const eval::Method& method) {
+    return std::any_of(result.methods.begin(), result.methods.end(),
+                       [&](const eval::MethodResult& m) { return m.method == method.name; });
+  });
 }
 
-// Learns what the confidence is made of from all results, and tells how such a model does on
-// objects that it was not learnt from.
 void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path& file) {
   std::vector<eval::JudgedEvidence> judged;
   std::vector<std::string> groups;  // one a judged completion
@@ -106,42 +93,40 @@ int run(const Options& options) {
   const eval::ShapeComparison& comparison = options.compared();
   const std::vector<eval::Method> methods =
       eval::methods_named(options.methods.empty() ? comparison.methods : options.methods);
-  eval::CaseRunOptions runs = options.choice.runs();
+  eval::CaseRunOptions runs = options.choice.runs;
   runs.setting = comparison.as_solids ? "as solids" : "";
   std::vector<std::string> case_names;
   for (const eval::Case& one : cases) case_names.push_back(one.result_name());
-  const auto crashed = eval::run_cases(
-      runs, case_names,
-      [&](int, const fs::path& file) { return known_result(file, methods).has_value(); },
-      [&](int i, const fs::path& file) {
-        eval::write_case_result(file, eval::run_case(cases[i], methods, comparison.as_solids));
-      });
-  // Not written to the folder: the next run tries crashed cases again.
+  const auto outcomes = eval::run_cases(
+      runs, case_names, eval::read_case_result,
+      [&](int i) { return eval::run_case(cases[i], methods, comparison.as_solids); },
+      [&](const eval::CaseResult& known) { return is_complete(known, methods); });
   std::vector<eval::CaseResult> results;
-  for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
-    const eval::Case& one = cases[i];
-    if (auto result = known_result(eval::case_file(runs, one.result_name()), methods)) {
-      results.push_back(std::move(*result));
+  bool all_ended = true;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const auto& [found, problem] = outcomes[i];
+    if (found) {
+      results.push_back(*found);
       continue;
     }
+    all_ended = false;
+    const eval::Case& one = cases[i];
     eval::CaseResult result;
     result.case_name = one.name();
     result.group = one.data_set->group;
     result.data_set = one.data_set->name;
     result.orientation = one.orientation;
-    const auto crash = crashed.find(i);
-    result.problem =
-        crash == crashed.end() ? "There is no result" : "The process ended: " + crash->second;
+    result.problem = "The process ended: " + problem;
     results.push_back(std::move(result));
   }
   std::printf("%s", eval::mesh_deviation_text(results, methods, comparison).c_str());
   if (!options.choice.json.empty()) {
     eval::write_text(options.choice.json, eval::mesh_deviation_json(results, methods, comparison));
   }
-  eval::write_mesh_deviation_report(options.choice.out, results, methods, comparison);
+  eval::write_mesh_deviation_report(options.choice.runs.out, results, methods, comparison);
   if (!options.fit_confidence.empty()) fit_confidence(results, options.fit_confidence);
-  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
-  return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
+  std::printf("\n%s\n", (options.choice.runs.out / "index.html").c_str());
+  return all_ended ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace

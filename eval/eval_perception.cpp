@@ -138,7 +138,7 @@ struct Options {
   }
   /// Views that were split otherwise are forgotten.
   eval::CaseRunOptions runs() const {
-    eval::CaseRunOptions options = choice.runs();
+    eval::CaseRunOptions options = choice.runs;
     options.setting = fmt::format("split {} from {} m", split, least_split_width);
     return options;
   }
@@ -172,35 +172,15 @@ void add_recordings(Tables& tables) {
              segmentation_rows(eval::labelled_segmentation(data / "clouds" / "osd")));
 }
 
-// The file's result, if it has one.
-std::optional<eval::ViewSegmentation> known_view(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    return eval::read_view(file);
-  } catch (const std::exception& error) {
-    std::printf("%s\n", error.what());
-    return std::nullopt;
-  }
-}
-
 // False when a case has no result.
 bool add_views(const std::vector<eval::Case>& cases, const Options& options, Tables& tables) {
   const eval::CaseRunOptions runs = options.runs();
   const perception::SegmentationOptions segmentation = options.segmentation();
   std::vector<std::string> names;
   for (const eval::Case& one : cases) names.push_back(one.result_name());
-  const auto crashed = eval::run_cases(
-      runs, names, [](int, const fs::path& file) { return known_view(file).has_value(); },
-      [&](int i, const fs::path& file) {
-        eval::write_view(file, eval::segment_view(cases[i], segmentation));
-      });
-  std::vector<eval::ViewSegmentation> views;
-  for (const std::string& name : names) {
-    if (auto view = known_view(eval::case_file(runs, name))) views.push_back(std::move(*view));
-  }
-  for (const auto& [index, how] : crashed) {
-    std::printf("%s: the process ended: %s\n", names[index].c_str(), how.c_str());
-  }
+  const auto views = eval::found_results(eval::run_cases(runs, names, eval::read_view, [&](int i) {
+    return eval::segment_view(cases[i], segmentation);
+  }));
   tables.add("groups", "Rendered views of one object and what is beside it, by group",
              kSegmentationHeader, segmentation_rows(eval::by_group(views)));
   tables.add("objects", "The same, by object", kSegmentationHeader,
@@ -237,7 +217,7 @@ int run(const Options& options) {
   if (options.choice.list) return eval::list_cases(cases);
   cv::setNumThreads(1);
   Tables tables;
-  tables.folder = options.choice.out;
+  tables.folder = options.choice.runs.out;
   if (options.choice.groups.empty() && options.choice.meshes.empty()) {
     add_recordings(tables);
     for (const std::uint64_t seed : options.choice.seeds) {

@@ -41,13 +41,14 @@ using namespace prehend;
 namespace fs = std::filesystem;
 
 struct Options {
-  fs::path out = "out/tradeoff";
+  eval::CaseRunOptions runs{
+      .out = "out/tradeoff",
+      .processes = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
   fs::path front;
   std::string budget;
   std::string tolerance;
   bool quick = false;
   std::string platform = "stage_pg70";
-  int processes = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 std::string processor() {
@@ -128,9 +129,9 @@ void write_page(const Options& options, const eval::ShapeTradeoff& tradeoff,
   }
   page.add_table({"method", "matching [ms]", "deviation of the default shape [mm]", "no mesh"},
                  stereo);
-  eval::write_text(options.out / "shape.csv", csv);
-  eval::write_text(options.out / "shape.svg", svg);
-  page.write(options.out / "index.html");
+  eval::write_text(options.runs.out / "shape.csv", csv);
+  eval::write_text(options.runs.out / "shape.svg", svg);
+  page.write(options.runs.out / "index.html");
 }
 
 int sweep_shape(const Options& options) {
@@ -163,8 +164,8 @@ int sweep_shape(const Options& options) {
     return EXIT_FAILURE;
   }
   // A quick look is no measurement to choose from later.
-  const fs::path file = options.quick ? options.out / "shape.yaml" : options.front;
-  fs::create_directories(options.out);
+  const fs::path file = options.quick ? options.runs.out / "shape.yaml" : options.front;
+  fs::create_directories(options.runs.out);
   fidelity::write_front(file, front);
   write_page(options, tradeoff, front);
   for (const fidelity::Setting& s : front.settings) {
@@ -174,7 +175,7 @@ int sweep_shape(const Options& options) {
     std::printf("%8.0f ms %6.2f mm  %s\n", 1e3 * m.setting.seconds, 1e3 * m.setting.error,
                 to_string(m.setting).c_str());
   }
-  std::printf("%s\n%s\n", file.c_str(), (options.out / "index.html").c_str());
+  std::printf("%s\n%s\n", file.c_str(), (options.runs.out / "index.html").c_str());
   return EXIT_SUCCESS;
 }
 
@@ -210,12 +211,12 @@ int sweep_plan(const Options& options) {
   page.add_chart(report::draw_line_chart(chart),
                  "Every setting that was tried, and those that nothing beats");
   page.add_table({"planning [ms]", "lifted at first", "within three", "setting"}, rows);
-  const fs::path file = options.quick ? options.out / "plan.yaml" : options.front;
-  fs::create_directories(options.out);
+  const fs::path file = options.quick ? options.runs.out / "plan.yaml" : options.front;
+  fs::create_directories(options.runs.out);
   fidelity::write_front(file, front);
-  eval::write_text(options.out / "plan.csv", csv);
-  page.write(options.out / "index.html");
-  std::printf("%s\n%s\n", file.c_str(), (options.out / "index.html").c_str());
+  eval::write_text(options.runs.out / "plan.csv", csv);
+  page.write(options.runs.out / "index.html");
+  std::printf("%s\n%s\n", file.c_str(), (options.runs.out / "index.html").c_str());
   return EXIT_SUCCESS;
 }
 
@@ -226,21 +227,20 @@ int sweep_touch(const Options& options) {
         std::fflush(stdout);
       });
   // A quick look is no measurement to choose from later.
-  const fs::path fronts = options.quick ? options.out : options.front.parent_path();
-  fs::create_directories(options.out);
+  const fs::path fronts = options.quick ? options.runs.out : options.front.parent_path();
+  fs::create_directories(options.runs.out);
   eval::touch::write_touch_tradeoff(tradeoff, processor() + ", processor time", fronts,
-                                    options.out);
-  std::printf("%s\n%s\n", fronts.c_str(), (options.out / "index.html").c_str());
+                                    options.runs.out);
+  std::printf("%s\n%s\n", fronts.c_str(), (options.runs.out / "index.html").c_str());
   return EXIT_SUCCESS;
 }
 
 int sweep_chain(const Options& options) {
   eval::ChainSweep sweep;
   sweep.platform = robot::platform_file(text::tree_file("config/robots"), options.platform);
-  sweep.out = options.out;
+  sweep.runs = options.runs;
   sweep.front = options.front;
   sweep.machine = processor();
-  sweep.processes = options.processes;
   sweep.quick = options.quick;
   return eval::sweep_chains(sweep);
 }
@@ -297,7 +297,7 @@ int main(int argc, char** argv) {
         subject.name, std::string(subject.what) +
                           ": sweeps the knobs and writes the front; with --budget or --tolerance "
                           "chooses from the front that was written");
-    command->add_option("--out", options.out, "folder of the page")->capture_default_str();
+    command->add_option("--out", options.runs.out, "folder of the page")->capture_default_str();
     command->add_option(
         "--front", options.front,
         std::string("file of the front (config/fidelity/") + subject.name + ".yaml)");
@@ -311,9 +311,7 @@ int main(int argc, char** argv) {
     if (subject.sweep != sweep_chain) continue;
     command->add_option("--platform", options.platform, "name or file of config/robots")
         ->capture_default_str();
-    command->add_option("--processes", options.processes, "that run at a time")
-        ->check(CLI::Range(1, 256))
-        ->capture_default_str();
+    eval::add_run_options(*command, options.runs);
   }
   CLI11_PARSE(app, argc, argv);
   try {

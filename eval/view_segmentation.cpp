@@ -10,7 +10,6 @@
 
 #include "eval/case_runner.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/whole_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -101,7 +100,7 @@ ViewSegmentation segment_view(const Case& one,
           segment_rendered(scene_of(one), segmentation)};
 }
 
-void write_view(const std::filesystem::path& file, const ViewSegmentation& view) {
+std::string to_text(const ViewSegmentation& view) {
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   out << YAML::BeginMap;
@@ -115,12 +114,12 @@ void write_view(const std::filesystem::path& file, const ViewSegmentation& view)
   put("iou", view.seen.errors.iou);
   for (const ViewFigure& figure : kViewFigures) put(figure.name, view.seen.*figure.value);
   out << YAML::EndMap;
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-ViewSegmentation read_view(const std::filesystem::path& file) {
+ViewSegmentation read_view(const std::string& text) {
   try {
-    const YAML::Node node = YAML::LoadFile(file.string());
+    const YAML::Node node = YAML::Load(text);
     ViewSegmentation view;
     view.case_name = node["case"].as<std::string>();
     view.group = node["group"].as<std::string>();
@@ -134,8 +133,8 @@ ViewSegmentation read_view(const std::filesystem::path& file) {
     }
     return view;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result of a view: " + error.what(),
-                               "Remove it and run the evaluation again");
+    throw geometry::InputError(std::string("The text is no result of a view: ") + error.what(),
+                               "Run the case again");
   }
 }
 

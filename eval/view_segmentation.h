@@ -25,11 +25,9 @@ SegmentationRun segment_rendered(const RenderedScene& rendered,
 ViewSegmentation segment_view(const Case& one,
                               const perception::SegmentationOptions& segmentation = {});
 
-/// Writes the result as YAML so that the file is whole or absent.
-/// @throws geometry::InputError when the folder cannot be written.
-void write_view(const std::filesystem::path& file, const ViewSegmentation& view);
-/// @throws geometry::InputError naming the file when it is no result.
-ViewSegmentation read_view(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const ViewSegmentation& view);
+ViewSegmentation read_view(const std::string& text);
 
 /// The views of each group, by its name, in the order of their first; counts added, depth errors
 /// (medians of a view) and times averaged.

@@ -39,17 +39,6 @@ struct Options {
   int count() const { return touches.value_or(hand.empty() ? 5 : 3); }
 };
 
-bool is_known(const fs::path& file) {
-  if (!fs::exists(file)) return false;
-  try {
-    eval::read_belief_case(file);
-    return true;
-  } catch (const geometry::InputError& error) {
-    std::printf("%s\n", error.what());
-    return false;
-  }
-}
-
 constexpr const char* kModelsOfSurprise = "config/touch/percept_surprise";
 constexpr const char* kFitGroup = "household";
 constexpr double kFalseAlarms = 0.02;  // of right predictions: the goal
@@ -57,6 +46,9 @@ constexpr double kFalseAlarms = 0.02;  // of right predictions: the goal
 int run_surprise(const Options& options) {
   if (options.fit_prior) {
     throw geometry::InputError("--fit-prior does not go with --surprise", "Leave it out");
+  }
+  if (options.choice.runs.mpi) {
+    throw geometry::InputError("--mpi does not go with --surprise", "Leave it out");
   }
   if (options.touches) {
     throw geometry::InputError("--touches does not go with --surprise", "Leave it out");
@@ -94,8 +86,8 @@ int run_surprise(const Options& options) {
   if (!options.choice.json.empty()) {
     eval::write_text(options.choice.json, eval::surprise_json(findings));
   }
-  eval::write_surprise_report(options.choice.out, findings, results, model);
-  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
+  eval::write_surprise_report(options.choice.runs.out, findings, results, model);
+  std::printf("\n%s\n", (options.choice.runs.out / "index.html").c_str());
   if (!options.fit.empty()) {
     model.hand = hand.model().name;
     model.save(options.fit, fmt::format("Fitted by eval_belief --surprise --fit FILE --hand {} on "
@@ -118,7 +110,7 @@ int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
-  eval::CaseRunOptions runs = options.choice.runs();
+  eval::CaseRunOptions runs = options.choice.runs;
   runs.setting = options.looks ? fmt::format("{} looks with {}", *options.looks, options.robot())
                                : fmt::format("{} touches by {}", options.count(),
                                              options.hand.empty() ? "a fingertip" : options.hand);
@@ -136,25 +128,19 @@ int run(const Options& options) {
   eval::TouchTrialOptions trial;
   trial.touches = options.count();
   trial.hand = hand ? &*hand : nullptr;
-  const auto crashed = eval::run_cases(
-      runs, names, [&](int, const fs::path& file) { return is_known(file); },
-      [&](int i, const fs::path& file) {
-        eval::write_belief_case(file, robot ? eval::run_look_trial(cases[i], *robot, look)
-                                            : eval::run_touch_trial(cases[i], trial));
-      });
-  std::vector<eval::BeliefCase> results;
-  for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
-    const fs::path file = eval::case_file(runs, names[i]);
-    if (is_known(file)) results.push_back(eval::read_belief_case(file));
-  }
+  const auto results =
+      eval::found_results(eval::run_cases(runs, names, eval::read_belief_case, [&](int i) {
+        return robot ? eval::run_look_trial(cases[i], *robot, look)
+                     : eval::run_touch_trial(cases[i], trial);
+      }));
   std::printf("\n%s", eval::belief_text(results).c_str());
   if (options.fit_prior) std::printf("\n%s", eval::prior_fit_text(results).c_str());
   if (!options.choice.json.empty()) {
     eval::write_text(options.choice.json, eval::belief_json(results));
   }
-  eval::write_belief_report(options.choice.out, results);
-  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
-  return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
+  eval::write_belief_report(options.choice.runs.out, results);
+  std::printf("\n%s\n", (options.choice.runs.out / "index.html").c_str());
+  return results.size() == cases.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace

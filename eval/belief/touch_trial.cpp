@@ -11,7 +11,6 @@
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/geometry/whole_file.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::eval {
@@ -138,7 +137,7 @@ constexpr StepFigure kStepFigures[] = {
 
 }  // namespace
 
-void write_belief_case(const std::filesystem::path& file, const BeliefCase& result) {
+std::string to_text(const BeliefCase& result) {
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   out << YAML::BeginMap;
@@ -172,12 +171,12 @@ void write_belief_case(const std::filesystem::path& file, const BeliefCase& resu
         << YAML::Value << shape.unseen << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-BeliefCase read_belief_case(const std::filesystem::path& file) {
+BeliefCase read_belief_case(const std::string& text) {
   try {
-    const YAML::Node node = YAML::LoadFile(file.string());
+    const YAML::Node node = YAML::Load(text);
     BeliefCase result;
     result.case_name = node["case"].as<std::string>();
     result.group = node["group"].as<std::string>();
@@ -208,8 +207,8 @@ BeliefCase read_belief_case(const std::filesystem::path& file) {
     }
     return result;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result of a belief: " + error.what(),
-                               "Delete it and run the evaluation again");
+    throw geometry::InputError(std::string("The text is no result of a belief: ") + error.what(),
+                               "Run the case again");
   }
 }
 

@@ -61,8 +61,8 @@ struct TouchTrialOptions {
 /// classical baseline (gaussian_surface.h) makes of the same evidence.
 BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options = {});
 
-/// As a file, and back. @throws geometry::InputError for a file that is none.
-void write_belief_case(const std::filesystem::path& file, const BeliefCase& result);
-BeliefCase read_belief_case(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const BeliefCase& result);
+BeliefCase read_belief_case(const std::string& text);
 
 }  // namespace prehend::eval

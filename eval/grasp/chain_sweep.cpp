@@ -19,15 +19,6 @@
 namespace prehend::eval {
 namespace {
 
-bool holds_trials(const std::filesystem::path& file, std::size_t count) {
-  if (!std::filesystem::exists(file)) return false;
-  try {
-    return read_chain_trials(file).size() == count;
-  } catch (const geometry::InputError&) {
-    return false;  // it is run again
-  }
-}
-
 std::string grid_in_words(const ChainGrid& grid) {
   std::string words;
   for (std::size_t i = 0; i < grid.size(); ++i) words += to_string(grid.setting(i)) + "; ";
@@ -77,8 +68,8 @@ void write_page(const ChainSweep& sweep, const std::vector<MeasuredChain>& measu
                  "Every chain that was measured, and those that nothing beats");
   page.add_table({"time [ms]", "not lifted [%]", "mesh off by [mm]", "setting"}, rows);
   page.add_paragraph(foretold);
-  write_text(sweep.out / "chain.csv", csv);
-  page.write(sweep.out / "index.html");
+  write_text(sweep.runs.out / "chain.csv", csv);
+  page.write(sweep.runs.out / "index.html");
 }
 
 }  // namespace
@@ -90,26 +81,19 @@ int sweep_chains(const ChainSweep& sweep) {
   const std::vector<Case> cases = views_to_sweep(sets, sweep.quick);
   std::vector<std::string> names;
   for (const Case& one : cases) names.push_back(platform.name() + "_" + one.result_name());
-  const CaseRunOptions runs{sweep.out, sweep.processes, false, grid_in_words(grid)};
+  CaseRunOptions runs = sweep.runs;
+  runs.setting = grid_in_words(grid);
   std::printf("%zu chains on each of %zu views\n", grid.size(), cases.size());
-  const std::map<int, std::string> crashed = run_cases(
-      runs, names,
-      [&](int, const std::filesystem::path& file) { return holds_trials(file, grid.size()); },
-      [&](int i, const std::filesystem::path& file) {
-        write_chain_trials(file, run_chains(cases[i], platform, grid));
-      });
-  for (const auto& [i, how] : crashed) {
-    std::fprintf(stderr, "%s: %s; start again to try it again\n", names[i].c_str(), how.c_str());
-  }
-  if (!crashed.empty()) return EXIT_FAILURE;
-  std::vector<std::vector<ChainTrial>> views;
-  for (const std::string& name : names) views.push_back(read_chain_trials(case_file(runs, name)));
+  const std::vector<std::vector<ChainTrial>> views = found_results(run_cases(
+      runs, names, read_chain_trials, [&](int i) { return run_chains(cases[i], platform, grid); },
+      [&](const std::vector<ChainTrial>& known) { return known.size() == grid.size(); }));
+  if (views.size() != cases.size()) return EXIT_FAILURE;
   const std::vector<MeasuredChain> measured = measured_chains(grid, views);
   const fidelity::Front front =
       chain_front(measured, platform.name(),
                   fmt::format("{}, processor time, {} rendered views, {} chains", sweep.machine,
                               cases.size(), grid.size()));
-  const std::filesystem::path file = sweep.quick ? sweep.out / "chain.yaml" : sweep.front;
+  const std::filesystem::path file = sweep.quick ? sweep.runs.out / "chain.yaml" : sweep.front;
   fidelity::write_front(file, front);
   const std::string foretold = foretold_in_words(foretell(grid, measured));
   write_page(sweep, measured, front, foretold);
@@ -118,7 +102,8 @@ int sweep_chains(const ChainSweep& sweep) {
                 100 * setting.error, 1e3 * setting.other_errors[0].second,
                 to_string(setting).c_str());
   }
-  std::printf("%s\n%s\n%s\n", foretold.c_str(), file.c_str(), (sweep.out / "index.html").c_str());
+  std::printf("%s\n%s\n%s\n", foretold.c_str(), file.c_str(),
+              (sweep.runs.out / "index.html").c_str());
   return EXIT_SUCCESS;
 }
 

@@ -3,15 +3,16 @@
 #include <filesystem>
 #include <string>
 
+#include "eval/case_runs.h"
+
 namespace prehend::eval {
 
 /// What is swept, and where results go.
 struct ChainSweep {
   std::filesystem::path platform;  // its file
-  std::filesystem::path out;       // folder of the views' results and of the page
+  CaseRunOptions runs;             // out: folder of the views' results and of the page
   std::filesystem::path front;     // file
   std::string machine;             // that it is measured on, in words
-  int processes = 1;
   bool quick = false;  // few chains and views; the front goes to `out`
 };
 

@@ -18,7 +18,6 @@
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/whole_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -198,7 +197,7 @@ std::vector<ChainTrial> run_chains(const Case& one, const PlatformUnderTest& pla
   return trials;
 }
 
-void write_chain_trials(const std::filesystem::path& file, const std::vector<ChainTrial>& trials) {
+std::string to_text(const std::vector<ChainTrial>& trials) {
   YAML::Emitter out;
   out.SetDoublePrecision(9);
   out << YAML::BeginSeq;
@@ -211,13 +210,13 @@ void write_chain_trials(const std::filesystem::path& file, const std::vector<Cha
         << trial.lifted << YAML::EndMap;
   }
   out << YAML::EndSeq;
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-std::vector<ChainTrial> read_chain_trials(const std::filesystem::path& file) {
+std::vector<ChainTrial> read_chain_trials(const std::string& text) {
   try {
     std::vector<ChainTrial> trials;
-    for (const YAML::Node& node : YAML::LoadFile(file.string())) {
+    for (const YAML::Node& node : YAML::Load(text)) {
       ChainTrial& trial = trials.emplace_back();
       for (std::size_t i = 0; i < trial.seconds.size(); ++i) {
         trial.seconds[i] = node["seconds"][i].as<double>();
@@ -228,8 +227,8 @@ std::vector<ChainTrial> read_chain_trials(const std::filesystem::path& file) {
     }
     return trials;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result: " + error.what(),
-                               "Remove it to run the case again");
+    throw geometry::InputError(std::string("The text is no result: ") + error.what(),
+                               "Run the case again");
   }
 }
 

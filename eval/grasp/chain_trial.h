@@ -39,10 +39,8 @@ struct ChainTrial {
 std::vector<ChainTrial> run_chains(const Case& one, const PlatformUnderTest& platform,
                                    const ChainGrid& grid);
 
-/// Writes the trials as YAML so that the file is whole or absent.
-/// @throws geometry::InputError when the folder cannot be written.
-void write_chain_trials(const std::filesystem::path& file, const std::vector<ChainTrial>& trials);
-/// @throws geometry::InputError naming the file when it is no result.
-std::vector<ChainTrial> read_chain_trials(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const std::vector<ChainTrial>& trials);
+std::vector<ChainTrial> read_chain_trials(const std::string& text);
 
 }  // namespace prehend::eval

@@ -10,7 +10,6 @@
 #include "eval/grasp/trial_setup.h"
 #include "eval/processor_time.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/whole_file.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/surface/convex_pieces.h"
 
@@ -139,7 +138,7 @@ DexCase run_dex_case(const DexHand& hand, const DataSet& object, DexTest test,
   return result;
 }
 
-void write_dex_case(const std::filesystem::path& file, const DexCase& result) {
+std::string to_text(const DexCase& result) {
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   out << YAML::BeginMap;
@@ -163,12 +162,12 @@ void write_dex_case(const std::filesystem::path& file, const DexCase& result) {
     out << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-DexCase read_dex_case(const std::filesystem::path& file) {
+DexCase read_dex_case(const std::string& text) {
   try {
-    const YAML::Node node = YAML::LoadFile(file.string());
+    const YAML::Node node = YAML::Load(text);
     DexCase result;
     result.hand = node["hand"].as<std::string>();
     result.group = node["group"].as<std::string>();
@@ -189,8 +188,8 @@ DexCase read_dex_case(const std::filesystem::path& file) {
     }
     return result;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result of a grasp: " + error.what(),
-                               "Remove it and run the evaluation again");
+    throw geometry::InputError(std::string("The text is no result of a grasp: ") + error.what(),
+                               "Run the case again");
   }
 }
 

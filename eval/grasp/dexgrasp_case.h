@@ -55,9 +55,8 @@ struct DexCase {
 DexCase run_dex_case(const DexHand& hand, const DataSet& object, DexTest test,
                      const DexChoice& choice);
 
-/// Writes the case as YAML, whole or not at all. @throws geometry::InputError when it cannot.
-void write_dex_case(const std::filesystem::path& file, const DexCase& result);
-/// @throws geometry::InputError naming the file when it is no case.
-DexCase read_dex_case(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const DexCase& result);
+DexCase read_dex_case(const std::string& text);
 
 }  // namespace prehend::eval

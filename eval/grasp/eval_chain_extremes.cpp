@@ -23,50 +23,27 @@ namespace {
 using namespace prehend;
 namespace fs = std::filesystem;
 
-constexpr unsigned kPatience = 600;  // s, after which a case counts as hung, and its process ends
+constexpr double kPatience = 600;  // s, after which a case counts as hung, and its process ends
 
 struct Options {
-  fs::path out = "out/chain_extremes";
+  eval::CaseRunOptions runs{.out = "out/chain_extremes", .timeout = kPatience};
   fs::path platform = "config/robots/stage_pg70.yaml";
-  int processes = 1;
   bool coarse = false;
-  bool fresh = false;
 };
 
-bool is_result(const fs::path& file) {
-  if (!fs::exists(file)) return false;
-  try {
-    eval::read_extreme_result(file);
-    return true;
-  } catch (const geometry::InputError&) {
-    return false;  // it is run again
-  }
-}
-
-int run(const Options& options) {
+int run(Options options) {
   const eval::PlatformUnderTest platform(options.platform);
   const eval::ExtremeGrid grid = eval::extreme_grid(options.coarse);
   const std::vector<eval::ExtremeCase> cases = grid.cases();
   std::vector<std::string> names;
   for (const eval::ExtremeCase& one : cases) names.push_back(one.name());
-  const eval::CaseRunOptions runs{options.out, options.processes, options.fresh,
-                                  options.platform.string()};
-  const std::map<int, std::string> crashed = eval::run_cases(
-      runs, names, [](int, const fs::path& file) { return is_result(file); },
-      [&](int i, const fs::path& file) {
-        alarm(kPatience);
-        eval::write_extreme_result(file, eval::run_extreme_case(cases[i], platform));
-        alarm(0);
-      });
-  for (const auto& [i, how] : crashed) {
-    std::fprintf(stderr, "%s: %s; see %s\n", names[i].c_str(), how.c_str(),
-                 (options.out / "output.txt").c_str());
-  }
+  options.runs.setting = options.platform.string();
+  const auto outcomes = eval::run_cases(options.runs, names, eval::read_extreme_result, [&](int i) {
+    return eval::run_extreme_case(cases[i], platform);
+  });
   eval::ExtremeResults results;
-  for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
-    if (!crashed.contains(i)) {
-      results[names[i]] = eval::read_extreme_result(eval::case_file(runs, names[i]));
-    }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (outcomes[i].result) results[names[i]] = *outcomes[i].result;
   }
   const eval::ExtremeTotals sum = eval::totals(cases, results);
   std::printf("%d cases: %d work, %d refused, %d said, %d silent, %d crashed\n", sum.cases,
@@ -75,11 +52,11 @@ int run(const Options& options) {
   if (options.coarse) command += " --coarse";
   if (options.platform != Options().platform) command += " --platform " + options.platform.string();
   const std::string picture = "chain_extremes.svg";
-  const fs::path page = options.out / "chain_extremes.md";
-  eval::write_text(options.out / picture, eval::extremes_picture(grid, results));
+  const fs::path page = options.runs.out / "chain_extremes.md";
+  eval::write_text(options.runs.out / picture, eval::extremes_picture(grid, results));
   eval::write_text(page, eval::extremes_page(grid, results, command, picture));
   std::printf("%s\n", page.c_str());
-  return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
+  return results.size() == cases.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace
@@ -92,15 +69,13 @@ int main(int argc, char** argv) {
       "size, distance, noise, outliers, tilt, view, mass or friction are far from the usual. Says "
       "where it works, where it refuses, and where it is wrong and does not know it. The same "
       "figures every time.");
-  app.add_option("--out", options.out, "folder of the page, its picture, and the cases' results")
+  app.add_option("--out", options.runs.out,
+                 "folder of the page, its picture, and the cases' results")
       ->capture_default_str();
   app.add_option("--platform", options.platform, "file of an arm and its hand")
       ->check(CLI::ExistingFile)
       ->capture_default_str();
-  app.add_option("--processes", options.processes, "that share the cases")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
   app.add_flag("--coarse", options.coarse, "the ends of each axis, one object, one seed");
-  app.add_flag("--fresh", options.fresh, "forget the results of earlier runs");
+  eval::add_run_options(app, options.runs);
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

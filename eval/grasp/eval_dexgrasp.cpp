@@ -28,7 +28,7 @@ using namespace prehend;
 namespace fs = std::filesystem;
 
 struct DexOptions {
-  eval::CaseRunOptions runs{"out/dexgrasp", 1, false, ""};
+  eval::CaseRunOptions runs{.out = "out/dexgrasp"};
   fs::path json, meshes;
   std::vector<std::string> groups{"household"}, only;
   std::vector<std::string> hands{"pg70", "sdh2", "bh8"};
@@ -43,16 +43,6 @@ struct NamedCase {
   const eval::DataSet* object;
   eval::DexTest test;
 };
-
-std::optional<eval::DexCase> known_case(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    return eval::read_dex_case(file);
-  } catch (const geometry::InputError& error) {
-    std::printf("%s\n", error.what());
-    return std::nullopt;
-  }
-}
 
 std::vector<eval::DataSet> objects_of(const DexOptions& options) {
   std::vector<eval::DataSet> objects = eval::data_sets_to_evaluate(options.meshes, options.groups);
@@ -129,23 +119,11 @@ int run(DexOptions options) {
     return EXIT_SUCCESS;
   }
   options.runs.setting = setting_of(options);
-  const auto crashed = eval::run_cases(
-      options.runs, names, [](int, const fs::path& file) { return known_case(file).has_value(); },
-      [&](int i, const fs::path& file) {
+  const auto results =
+      eval::found_results(eval::run_cases(options.runs, names, eval::read_dex_case, [&](int i) {
         const NamedCase& one = cases[static_cast<std::size_t>(i)];
-        eval::write_dex_case(file,
-                             eval::run_dex_case(*one.hand, *one.object, one.test, options.choice));
-      });
-  std::vector<eval::DexCase> results;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (auto result = known_case(eval::case_file(options.runs, names[i]))) {
-      results.push_back(std::move(*result));
-    } else {
-      const auto crash = crashed.find(static_cast<int>(i));
-      std::printf("%s: %s\n", names[i].c_str(),
-                  crash == crashed.end() ? "no result" : crash->second.c_str());
-    }
-  }
+        return eval::run_dex_case(*one.hand, *one.object, one.test, options.choice);
+      }));
   std::printf("%s", eval::dex_text(results).c_str());
   if (!options.json.empty()) eval::write_text(options.json, eval::dex_json(results));
   eval::write_dex_report(options.runs.out, results);
@@ -201,12 +179,9 @@ void add_dex_options(CLI::App& app, DexOptions& options) {
   app.add_option("--threads", options.choice.threads, "of planning, in each process")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("--processes", options.runs.processes, "how many work at a time")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
   app.add_flag("--quick", options.quick, "every third object");
   app.add_flag("--list", options.list, "print the names of the cases and do nothing");
-  app.add_flag("--fresh", options.runs.fresh, "forget the results of earlier runs");
+  eval::add_run_options(app, options.runs);
 }
 
 }  // namespace

@@ -54,21 +54,12 @@ struct PlatformCase {
   const eval::PlatformUnderTest* platform;
 };
 
-// The file's result, if it has one of every setting.
-std::optional<eval::GraspCase> known_result(const fs::path& file,
-                                            const std::vector<eval::PlannerSetting>& settings) {
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    eval::GraspCase result = eval::read_grasp_case(file);
-    const bool complete = std::all_of(settings.begin(), settings.end(), [&](const auto& setting) {
-      const eval::GraspTrial* trial = result.trial(setting.name);
-      return trial != nullptr && trial->is_planned_only == !setting.is_executed;
-    });
-    if (complete) return result;
-  } catch (const std::exception& error) {
-    std::printf("%s\n", error.what());
-  }
-  return std::nullopt;
+// Whether it is of every setting.
+bool is_complete(const eval::GraspCase& result, const std::vector<eval::PlannerSetting>& settings) {
+  return std::all_of(settings.begin(), settings.end(), [&](const auto& setting) {
+    const eval::GraspTrial* trial = result.trial(setting.name);
+    return trial != nullptr && trial->is_planned_only == !setting.is_executed;
+  });
 }
 
 int run(const Options& options) {
@@ -97,29 +88,17 @@ int run(const Options& options) {
       names.push_back(run + one.result_name());
     }
   }
-  const eval::CaseRunOptions runs = options.choice.runs();
-  const auto crashed = eval::run_cases(
-      runs, names,
-      [&](int, const fs::path& file) { return known_result(file, settings).has_value(); },
-      [&](int i, const fs::path& file) {
-        eval::write_grasp_case(file, eval::run_grasp_case(cases[i].one, *cases[i].platform,
-                                                          settings, evidence->second));
-      });
-  std::vector<eval::GraspCase> results;
-  for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
-    if (auto result = known_result(eval::case_file(runs, names[i]), settings)) {
-      results.push_back(std::move(*result));
-    } else {
-      const auto crash = crashed.find(i);
-      std::printf("%s: %s\n", names[i].c_str(),
-                  crash == crashed.end() ? "no result" : crash->second.c_str());
-    }
-  }
+  const auto results = eval::found_results(eval::run_cases(
+      options.choice.runs, names, eval::read_grasp_case,
+      [&](int i) {
+        return eval::run_grasp_case(cases[i].one, *cases[i].platform, settings, evidence->second);
+      },
+      [&](const eval::GraspCase& known) { return is_complete(known, settings); }));
   std::printf("%s", eval::grasp_text(results).c_str());
   if (!options.choice.json.empty())
     eval::write_text(options.choice.json, eval::grasp_json(results));
-  eval::write_grasp_report(options.choice.out, results);
-  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
+  eval::write_grasp_report(options.choice.runs.out, results);
+  std::printf("\n%s\n", (options.choice.runs.out / "index.html").c_str());
   return results.size() == cases.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 

@@ -16,7 +16,6 @@
 #include "eval/household_objects.h"
 #include "eval/processor_time.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/whole_file.h"
 #include "prehend/perception/stereo.h"
 #include "prehend/simulation/random_draw.h"
 
@@ -232,7 +231,7 @@ ExtremeResult run_extreme_case(const ExtremeCase& extreme, const PlatformUnderTe
   return finish();
 }
 
-void write_extreme_result(const std::filesystem::path& file, const ExtremeResult& result) {
+std::string to_text(const ExtremeResult& result) {
   YAML::Emitter out;
   out.SetDoublePrecision(6);
   out << YAML::BeginMap;
@@ -250,12 +249,12 @@ void write_extreme_result(const std::filesystem::path& file, const ExtremeResult
   put("rest_seconds", result.rest_seconds);
   put("memory", result.memory);
   out << YAML::EndMap;
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-ExtremeResult read_extreme_result(const std::filesystem::path& file) {
+ExtremeResult read_extreme_result(const std::string& text) {
   try {
-    const YAML::Node node = YAML::LoadFile(file.string());
+    const YAML::Node node = YAML::Load(text);
     ExtremeResult result;
     result.outcome = static_cast<ExtremeOutcome>(std::clamp(node["outcome"].as<int>(), 0, 3));
     result.stage = node["stage"].as<std::string>();
@@ -269,8 +268,7 @@ ExtremeResult read_extreme_result(const std::filesystem::path& file) {
     result.memory = node["memory"].as<double>();
     return result;
   } catch (const YAML::Exception& error) {
-    throw InputError("'" + file.string() + "' is no result: " + error.what(),
-                     "Remove it to run the case again");
+    throw InputError(std::string("The text is no result: ") + error.what(), "Run the case again");
   }
 }
 

@@ -68,10 +68,8 @@ ExtremeOutcome outcome_of(const ExtremeResult& result, double size);
 /// @throws geometry::InputError for an object that household_objects() has not.
 ExtremeResult run_extreme_case(const ExtremeCase& extreme, const PlatformUnderTest& platform);
 
-/// Writes the result as YAML so that the file is whole or absent.
-/// @throws geometry::InputError when the folder cannot be written.
-void write_extreme_result(const std::filesystem::path& file, const ExtremeResult& result);
-/// @throws geometry::InputError naming the file when it is no result.
-ExtremeResult read_extreme_result(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const ExtremeResult& result);
+ExtremeResult read_extreme_result(const std::string& text);
 
 }  // namespace prehend::eval

@@ -5,7 +5,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/whole_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -104,7 +103,7 @@ bool GraspCase::fits() const {
   return truth != nullptr && truth->best_robustness >= 0.5;
 }
 
-void write_grasp_case(const std::filesystem::path& file, const GraspCase& result) {
+std::string to_text(const GraspCase& result) {
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   out << YAML::BeginMap;
@@ -131,12 +130,12 @@ void write_grasp_case(const std::filesystem::path& file, const GraspCase& result
     out << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
-  geometry::write_whole_file(file, out.c_str(), "The result");
+  return out.c_str();
 }
 
-GraspCase read_grasp_case(const std::filesystem::path& file) {
+GraspCase read_grasp_case(const std::string& text) {
   try {
-    const YAML::Node node = YAML::LoadFile(file.string());
+    const YAML::Node node = YAML::Load(text);
     GraspCase result;
     result.case_name = node["case"].as<std::string>();
     result.group = node["group"].as<std::string>();
@@ -161,8 +160,8 @@ GraspCase read_grasp_case(const std::filesystem::path& file) {
     }
     return result;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result of a grasp: " + error.what(),
-                               "Remove it and run the evaluation again");
+    throw geometry::InputError(std::string("The text is no result of a grasp: ") + error.what(),
+                               "Run the case again");
   }
 }
 

@@ -71,10 +71,8 @@ struct GraspCase {
   bool fits() const;
 };
 
-/// Writes the result as YAML so that the file is whole or absent.
-/// @throws geometry::InputError when the folder cannot be written.
-void write_grasp_case(const std::filesystem::path& file, const GraspCase& result);
-/// @throws geometry::InputError naming the file when it is no result.
-GraspCase read_grasp_case(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const GraspCase& result);
+GraspCase read_grasp_case(const std::string& text);
 
 }  // namespace prehend::eval

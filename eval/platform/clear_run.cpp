@@ -7,7 +7,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/platform/launched.h"
-#include "eval/text_files.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
@@ -169,7 +168,7 @@ ClearResult run_clear(const std::filesystem::path& file, const std::string& plat
   return result;
 }
 
-void write_clear(const std::filesystem::path& file, const ClearResult& r) {
+std::string to_text(const ClearResult& r) {
   YAML::Node map;
   map["scene"] = r.scene;
   map["platform"] = r.platform;
@@ -189,12 +188,12 @@ void write_clear(const std::filesystem::path& file, const ClearResult& r) {
   map["said"] = r.said;
   YAML::Emitter out;
   out << map;
-  write_text(file, std::string(out.c_str()) + "\n");
+  return out.c_str();
 }
 
-ClearResult read_clear(const std::filesystem::path& file) {
+ClearResult read_clear(const std::string& text) {
   try {
-    const YAML::Node map = YAML::LoadFile(file.string());
+    const YAML::Node map = YAML::Load(text);
     ClearResult r;
     r.scene = map["scene"].as<std::string>();
     r.platform = map["platform"].as<std::string>();
@@ -214,8 +213,8 @@ ClearResult read_clear(const std::filesystem::path& file) {
     r.said = map["said"].as<std::map<std::string, int>>();
     return r;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result: " + error.what(),
-                               "Delete it; it is measured again");
+    throw geometry::InputError(std::string("The text is no result: ") + error.what(),
+                               "Run the case again");
   }
 }
 

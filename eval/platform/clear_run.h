@@ -41,8 +41,8 @@ ClearResult run_clear(const std::filesystem::path& file, const std::string& plat
                       const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const std::filesystem::path& programs);
 
-/// As a file, and back. @throws geometry::InputError for a file that is none.
-void write_clear(const std::filesystem::path& file, const ClearResult& result);
-ClearResult read_clear(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const ClearResult& result);
+ClearResult read_clear(const std::string& text);
 
 }  // namespace prehend::eval

@@ -39,16 +39,6 @@ struct Run {
   std::string name() const { return platform + "_" + scene->name; }
 };
 
-std::optional<eval::PickResult> known_result(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    return eval::read_pick(file);
-  } catch (const std::exception& error) {
-    std::printf("%s\n", error.what());
-    return std::nullopt;
-  }
-}
-
 std::string csv_of(const std::vector<eval::PickResult>& results) {
   std::string text =
       "platform,scene,bodies,outcome,body,raised_m,carried_m,disturbed_m,attempts,score,seconds,"
@@ -113,25 +103,19 @@ int run(const Options& options) {
   }
   const std::vector<std::string> arguments = eval::launch_arguments(options.arguments);
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
-  eval::CaseRunOptions where = options.choice.runs();
+  eval::CaseRunOptions where = options.choice.runs;
   for (const std::string& argument : arguments) where.setting += argument + "\n";
   std::vector<std::string> names;
   for (const Run& one : runs) names.push_back(one.name());
-  eval::run_cases(
-      where, names, [](int, const fs::path& file) { return known_result(file).has_value(); },
-      [&](int i, const fs::path& file) {
+  const auto results =
+      eval::found_results(eval::run_cases(where, names, eval::read_pick, [&](int i) {
         const Run& one = runs[static_cast<std::size_t>(i)];
-        const fs::path folder = options.choice.out / "runs" / one.name();
-        eval::write_pick(file,
-                         eval::run_pick(*one.scene, one.platform, arguments, folder, programs));
-      });
-  std::vector<eval::PickResult> results;
-  for (const std::string& name : names) {
-    if (auto result = known_result(eval::case_file(where, name))) results.push_back(*result);
-  }
-  eval::write_text(options.choice.out / "cases.csv", csv_of(results));
+        const fs::path folder = options.choice.runs.out / "runs" / one.name();
+        return eval::run_pick(*one.scene, one.platform, arguments, folder, programs);
+      }));
+  eval::write_text(options.choice.runs.out / "cases.csv", csv_of(results));
   std::printf("%s", summary_of(options.platforms, results).c_str());
-  std::printf("\n%s\n", (options.choice.out / "cases.csv").c_str());
+  std::printf("\n%s\n", (options.choice.runs.out / "cases.csv").c_str());
   return results.size() == runs.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -139,7 +123,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  options.choice.processes = 1;
+  options.choice.runs.processes = 1;
   CLI::App app(
       "Launches the demo on generated scenes of one to four bodies, with each platform, as fast as "
       "it can, and judges by the simulation's truth: raised by 5 cm, carried, put down, nothing "

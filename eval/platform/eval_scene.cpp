@@ -45,16 +45,6 @@ struct Run {
   std::string name() const { return platform + "_" + scene->name; }
 };
 
-std::optional<ClearResult> known_result(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    return eval::read_clear(file);
-  } catch (const std::exception& error) {
-    std::printf("%s\n", error.what());
-    return std::nullopt;
-  }
-}
-
 std::string share(int some, int all) {
   return fmt::format("{} of {} ({:.0f} %)", some, all, 100.0 * some / std::max(1, all));
 }
@@ -203,31 +193,26 @@ int run(const Options& options) {
   const auto solids = eval::clutter_solids(sets, options.widest);
   const std::vector<std::string> arguments = eval::launch_arguments(options.arguments);
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
-  eval::CaseRunOptions where = options.choice.runs();
+  eval::CaseRunOptions where = options.choice.runs;
   where.setting = fmt::format("widest {}\n", options.widest);
   for (const simulation::ClutterSolid& solid : solids) where.setting += solid.name + "\n";
   for (const std::string& argument : arguments) where.setting += argument + "\n";
   std::vector<std::string> names;
   for (const Run& one : runs) names.push_back(one.name());
-  eval::run_cases(
-      where, names, [](int, const fs::path& file) { return known_result(file).has_value(); },
-      [&](int i, const fs::path& file) {
+  const auto results =
+      eval::found_results(eval::run_cases(where, names, eval::read_clear, [&](int i) {
         const Run& one = runs[static_cast<std::size_t>(i)];
-        const fs::path folder = options.choice.out / "runs" / one.name();
-        eval::write_clear(file, result_of(one, solids, arguments, folder, programs));
-      });
-  std::vector<ClearResult> results;
-  for (const std::string& name : names) {
-    if (auto result = known_result(eval::case_file(where, name))) results.push_back(*result);
-  }
+        const fs::path folder = options.choice.runs.out / "runs" / one.name();
+        return result_of(one, solids, arguments, folder, programs);
+      }));
   const auto rows = rows_of(options.platforms, results);
-  eval::write_text(options.choice.out / "cases.csv", csv_of(results));
-  write_page(options.choice.out, rows, results);
+  eval::write_text(options.choice.runs.out / "cases.csv", csv_of(results));
+  write_page(options.choice.runs.out, rows, results);
   std::printf("\n%s\n", fmt::format("{}", fmt::join(kHeader, " | ")).c_str());
   for (const auto& row : rows) {
     std::printf("%s\n", fmt::format("{}", fmt::join(row, " | ")).c_str());
   }
-  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
+  std::printf("\n%s\n", (options.choice.runs.out / "index.html").c_str());
   return results.size() == runs.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -235,7 +220,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  options.choice.processes = 1;
+  options.choice.runs.processes = 1;
   CLI::App app(
       "Clears tables: things of the chosen groups are dropped until they rest, apart, touching, "
       "stacked, leaning, hidden and tumbled, 1 to 12 of them, and the launch file's task "

@@ -3,44 +3,56 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/text/tree_file.h"
 
-extern char** environ;  // NOLINT: POSIX
-
 namespace prehend::eval {
+namespace {
+
+constexpr int kNotStarted = 127;  // as shells have it
+
+}  // namespace
 
 using std::chrono::steady_clock;
 
 int run_prehend(const std::filesystem::path& programs, const std::vector<std::string>& arguments,
                 const std::filesystem::path& log, std::chrono::seconds timeout) {
   const std::filesystem::path program = programs / "prehend";
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_CREAT | O_WRONLY | O_TRUNC,
-                                   0644);
-  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
   std::vector<char*> words;
   words.push_back(const_cast<char*>(program.c_str()));
   for (const std::string& argument : arguments) {
     words.push_back(const_cast<char*>(argument.c_str()));
   }
   words.push_back(nullptr);
-  pid_t pid = -1;
-  const int error = posix_spawn(&pid, program.c_str(), &files, nullptr, words.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (error != 0) {
-    throw std::runtime_error("cannot start " + program.string() + ": " + std::strerror(error));
+  const int output = open(log.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0644);
+  if (output < 0) {
+    throw std::runtime_error("cannot write " + log.string() + ": " + std::strerror(errno));
   }
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGINT);  // what runs ends with whom it runs for
+    if (getppid() != parent || dup2(output, STDOUT_FILENO) < 0 || dup2(output, STDERR_FILENO) < 0) {
+      _exit(kNotStarted);
+    }
+    execv(program.c_str(), words.data());
+    dprintf(STDERR_FILENO, "cannot start %s: %s\n", program.c_str(), std::strerror(errno));
+    _exit(kNotStarted);
+  }
+  const int why = errno;
+  close(output);
+  if (pid < 0) throw std::system_error(why, std::generic_category(), "fork");
   const auto deadline = steady_clock::now() + timeout;
   int status = 0;
   while (waitpid(pid, &status, WNOHANG) == 0) {

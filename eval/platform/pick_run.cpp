@@ -9,7 +9,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/platform/launched.h"
-#include "eval/text_files.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
@@ -168,7 +167,7 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
   return result;
 }
 
-void write_pick(const std::filesystem::path& file, const PickResult& r) {
+std::string to_text(const PickResult& r) {
   YAML::Emitter out;
   out << YAML::BeginMap;
   const auto put = [&out](const char* key, const auto& value) {
@@ -188,12 +187,12 @@ void write_pick(const std::filesystem::path& file, const PickResult& r) {
   put("stage", r.stage);
   put("reason", r.reason);
   out << YAML::EndMap;
-  write_text(file, std::string(out.c_str()) + "\n");
+  return out.c_str();
 }
 
-PickResult read_pick(const std::filesystem::path& file) {
+PickResult read_pick(const std::string& text) {
   try {
-    const YAML::Node map = YAML::LoadFile(file.string());
+    const YAML::Node map = YAML::Load(text);
     PickResult r;
     r.scene = map["scene"].as<std::string>();
     r.platform = map["platform"].as<std::string>();
@@ -211,8 +210,8 @@ PickResult read_pick(const std::filesystem::path& file) {
     r.reason = map["reason"].as<std::string>();
     return r;
   } catch (const YAML::Exception& error) {
-    throw geometry::InputError("'" + file.string() + "' is no result: " + error.what(),
-                               "Delete it; it is measured again");
+    throw geometry::InputError(std::string("The text is no result: ") + error.what(),
+                               "Run the case again");
   }
 }
 

@@ -40,8 +40,8 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
                     const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                     const std::filesystem::path& programs);
 
-/// As a file, and back. @throws geometry::InputError for a file that is none.
-void write_pick(const std::filesystem::path& file, const PickResult& result);
-PickResult read_pick(const std::filesystem::path& file);
+/// As YAML, and back. @throws geometry::InputError for a text that is no result.
+std::string to_text(const PickResult& result);
+PickResult read_pick(const std::string& text);
 
 }  // namespace prehend::eval

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <regex>
 #include <set>
 
@@ -67,6 +68,12 @@ Rows from_json_file(const fs::path& file) {
   return rows;
 }
 
+// One value.
+Rows from_text(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {{"text"}, {{std::string(std::istreambuf_iterator<char>(in), {})}}};
+}
+
 Rows from_output(const ResultSource& source, const fs::path& output) {
   std::vector<std::regex> patterns;
   Rows rows{{}, {{}}};
@@ -113,6 +120,9 @@ Rows collect(const ResultSource& source, const fs::path& folder, const fs::path&
     case ResultSource::Kind::kJson:
       refuse_missing(file);
       return from_json_file(file);
+    case ResultSource::Kind::kText:
+      refuse_missing(file);
+      return from_text(file);
     case ResultSource::Kind::kOutput:
       return from_output(source, output);
   }

@@ -225,12 +225,15 @@ class Reader {
     YamlMap results(node, made_.file, "results");
     results.read("csv", made_.results.file);
     if (!made_.results.file.empty()) made_.results.kind = Kind::kCsv;
-    std::string object_file;
+    std::string object_file, text_file;
     results.read("json", object_file);
+    results.read("text", text_file);
     const YAML::Node output = results.child("output");
     results.finish();
-    if (node.size() != 1) top_.fail("results", "must be one of csv, json, output", "Keep one");
+    if (node.size() != 1)
+      top_.fail("results", "must be one of csv, json, text, output", "Keep one");
     if (!object_file.empty()) made_.results = {Kind::kJson, object_file, {}};
+    if (!text_file.empty()) made_.results = {Kind::kText, text_file, {}};
     fixed = made_.results.file;
     if (!made_.results.file.empty()) {
       const std::filesystem::path path = made_.results.file;

@@ -14,9 +14,9 @@ namespace prehend::sweep {
 
 /// Where a case's figures are found once its program ended.
 struct ResultSource {
-  enum class Kind { kNone, kCsv, kJson, kOutput };
+  enum class Kind { kNone, kCsv, kJson, kText, kOutput };
   Kind kind = Kind::kNone;
-  std::string file;  // kCsv, kJson: in the case's folder
+  std::string file;  // kCsv, kJson, kText: in the case's folder
   /// kOutput: column and regular expression (ECMAScript) with one group; the last match counts.
   std::vector<std::pair<std::string, std::string>> patterns;
 };

@@ -1,5 +1,7 @@
 #include "prehend/sweep/results.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "prehend/text/input_error.h"
@@ -52,26 +54,45 @@ ResultStore::ResultStore(const std::filesystem::path& file, text::DatabaseUse us
       find_(database_, "SELECT problem, output, rows FROM result WHERE name=?"),
       seconds_(database_, "SELECT seconds FROM cost WHERE name=?") {}
 
+std::optional<std::string> ResultStore::noted(const std::string& key) const {
+  Statement known(database_, "SELECT value FROM description WHERE key=?");
+  known.bind(key);
+  return known.step() ? std::optional(known.text(0)) : std::nullopt;
+}
+
+void ResultStore::note(const std::map<std::string, std::string>& fixed) {
+  for (const auto& [key, value] : fixed) {
+    Statement add(database_, "INSERT OR IGNORE INTO description VALUES(?, ?)");
+    add.bind(key).bind(value).step();
+  }
+}
+
+bool ResultStore::agrees_with(const std::map<std::string, std::string>& fixed) const {
+  return std::all_of(fixed.begin(), fixed.end(),
+                     [&](const auto& one) { return noted(one.first) == one.second; });
+}
+
+void ResultStore::begin_anew(const std::map<std::string, std::string>& fixed) {
+  database_.transaction([&] {
+    Statement(database_, "DELETE FROM result").step();
+    Statement(database_, "DELETE FROM description").step();
+    note(fixed);
+  });
+}
+
 void ResultStore::check(const Description& description) const {
   for (const auto& [key, value] : description.fixed) {
-    Statement known(database_, "SELECT value FROM description WHERE key=?");
-    known.bind(key);
-    if (!known.step() || known.text(0) == value) continue;
-    throw InputError("'" + database_.file() + "' has results of other " + key + ": '" +
-                         known.text(0) + "', but " + description.file.string() + " has '" + value +
-                         "'",
+    const std::optional<std::string> known = noted(key);
+    if (!known || *known == value) continue;
+    throw InputError("'" + database_.file() + "' has results of other " + key + ": '" + *known +
+                         "', but " + description.file.string() + " has '" + value + "'",
                      "Name another folder, or put that back");
   }
 }
 
 void ResultStore::bind_to(const Description& description) {
   check(description);
-  database_.transaction([&] {
-    for (const auto& [key, value] : description.fixed) {
-      Statement note(database_, "INSERT OR IGNORE INTO description VALUES(?, ?)");
-      note.bind(key).bind(value).step();
-    }
-  });
+  database_.transaction([&] { note(description.fixed); });
 }
 
 bool ResultStore::has(const std::string& name) const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,11 @@ class ResultStore {
   explicit ResultStore(const std::filesystem::path& file,
                        text::DatabaseUse use = text::DatabaseUse::kChange);
 
+  /// Whether all of `fixed` is noted, by its keys.
+  bool agrees_with(const std::map<std::string, std::string>& fixed) const;
+  /// Forgets all results and notes `fixed`; costs stay.
+  void begin_anew(const std::map<std::string, std::string>& fixed);
+
   /// Results of other arguments are never mixed. @throws InputError naming the first thing that
   /// `description` fixes otherwise than what is noted.
   void check(const Description& description) const;
@@ -63,6 +69,9 @@ class ResultStore {
   void take_from(const ResultStore& other);
 
  private:
+  void note(const std::map<std::string, std::string>& fixed);
+  std::optional<std::string> noted(const std::string& key) const;
+
   text::Database database_;
   mutable text::Database::Statement has_, find_, seconds_;
 };

@@ -1,5 +1,7 @@
 // The one way of choosing cases of the programs that evaluate bodies in views.
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -31,7 +33,7 @@ class CaseChoiceOf : public ::testing::TestWithParam<const char*> {
     const char* programs = std::getenv("PREHEND_BIN");
     if (programs == nullptr) return "PREHEND_BIN names the folder of the programs";
     const std::filesystem::path printed = folder_.path / "printed.txt";
-    code_ = std::system(("PREHEND_SHARED_DATA= " + std::string(programs) + "/" + GetParam() + " " +
+    code_ = std::system(("PREHEND_SHARED_DATA= " + launcher_ + programs + "/" + GetParam() + " " +
                          words + " --out " + (folder_.path / "out").string() + " >" +
                          printed.string() + " 2>&1")
                             .c_str());
@@ -41,6 +43,7 @@ class CaseChoiceOf : public ::testing::TestWithParam<const char*> {
     return text.str();
   }
   testing::TemporaryFolder folder_;
+  std::string launcher_;  // before the program
   int code_ = -1;
 };
 
@@ -86,11 +89,40 @@ TEST_P(EvalPerception, SeesTheViewsOfAGroupAndGoesOnWhereItWas) {
   ASSERT_EQ(code_, 0) << first;
   // Two bodies in each of two views.
   EXPECT_THAT(first, AllOf(HasSubstr("\"hard\",\"4\""), HasSubstr("\"hard: upper_of_two\",\"4\""),
-                           HasSubstr("2 of 2 cases (0 known before)"),
-                           Not(HasSubstr("four objects each"))));
+                           HasSubstr("2 of 2 cases ran in"), Not(HasSubstr("four objects each"))));
   const std::string second = run(command);
-  EXPECT_THAT(second, AllOf(HasSubstr("\"hard\",\"4\""), Not(HasSubstr("2 of 2 cases"))));
+  EXPECT_THAT(second,
+              AllOf(HasSubstr("\"hard\",\"4\""), HasSubstr("2 of 2 cases are known already"),
+                    Not(HasSubstr("cases ran"))));
   EXPECT_THAT(run(command + " --scenes 2"), HasSubstr("excludes"));
+}
+
+TEST_P(EvalPerception, RanksGiveTheSameResults) {
+  const std::string command = "--groups hard --only upper_of_two --quick ";
+  EXPECT_THAT(run(command + "--mpi"), HasSubstr("--mpi"));
+  EXPECT_NE(code_, 0) << "no mpirun started it, or it was built without";
+  const auto table = [&] {
+    std::ifstream stream(folder_.path / "out" / "groups.csv");
+    std::ostringstream text;
+    for (std::string line; std::getline(stream, line);) text << line.substr(0, line.rfind(','));
+    return text.str();
+  };
+  run(command + "--processes 1");
+  ASSERT_EQ(code_, 0);
+  const std::string alone = table();
+  ASSERT_THAT(alone, HasSubstr("hard"));
+#ifdef PREHEND_HAS_MPI
+  if (std::system("command -v mpirun >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "mpirun is not installed (apt install openmpi-bin)";
+  }
+  launcher_ =
+      "mpirun --oversubscribe -n 3 --mca btl self,vader,tcp --mca btl_tcp_if_include lo --mca "
+      "oob_tcp_if_include lo ";
+  if (geteuid() == 0) launcher_ += "--allow-run-as-root ";
+  EXPECT_THAT(run(command + "--mpi --fresh"), HasSubstr("2 of 2 cases ran in"));
+  EXPECT_EQ(code_, 0);
+  EXPECT_EQ(table(), alone);
+#endif
 }
 
 INSTANTIATE_TEST_SUITE_P(Program, EvalPerception, ::testing::Values("eval_perception"));
@@ -106,16 +138,13 @@ ViewSegmentation view_of(const std::string& group, const std::string& name, int 
 }
 
 TEST(ViewSegmentation, IsReadAsItWasWritten) {
-  const testing::TemporaryFolder folder;
   const ViewSegmentation written = view_of("hard", "bowl", 1, 0.00123456789);
-  write_view(folder.path / "a.yaml", written);
-  const ViewSegmentation read = read_view(folder.path / "a.yaml");
+  const ViewSegmentation read = read_view(to_text(written));
   EXPECT_EQ(read.data_set, "bowl");
   EXPECT_EQ(read.seen.errors.missed, 1);
   EXPECT_EQ(read.seen.errors.iou, written.seen.errors.iou);
   EXPECT_EQ(read.seen.depth_error, written.seen.depth_error);
-  std::ofstream(folder.path / "b.yaml") << "[1, 2]\n";
-  EXPECT_THROW(read_view(folder.path / "b.yaml"), geometry::InputError);
+  EXPECT_THROW(read_view("[1, 2]\n"), geometry::InputError);
 }
 
 TEST(ViewSegmentation, AddsUpByGroupAndByObject) {

@@ -5,7 +5,6 @@
 
 #include "eval/grasp/grasp_case.h"
 #include "eval/grasp/grasp_report.h"
-#include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 #include "tests/eval/temporary_folder.h"
 
@@ -35,15 +34,13 @@ GraspCase case_of(const std::string& object, std::vector<GraspTrial> trials) {
 }
 
 TEST(GraspCase, IsReadAsItWasWritten) {
-  const testing::TemporaryFolder folder;
   GraspCase written = case_of("can", {trial_of("predicted", 3, 2, true)});
   written.others = 2;
   written.trials[0].slip = 0.0012345678901234;
   written.trials[0].stage = "lift";
   written.trials[0].surprises = {{control::SurpriseKind::kTactileSum, 8, 5.25, 0, true, ""},
                                  {control::SurpriseKind::kMotion, 1, std::nan(""), 0, false, ""}};
-  write_grasp_case(folder.path / "a.yaml", written);
-  const GraspCase read = read_grasp_case(folder.path / "a.yaml");
+  const GraspCase read = read_grasp_case(to_text(written));
   EXPECT_EQ(read.case_name, written.case_name);
   EXPECT_EQ(read.platform, "stage_pg70");
   EXPECT_EQ(read.others, 2);
@@ -61,13 +58,11 @@ TEST(GraspCase, IsReadAsItWasWritten) {
   EXPECT_TRUE(std::isnan(read.trials[0].surprises[1].felt));
   EXPECT_TRUE(read.trials[0].lifted);
   EXPECT_FALSE(read.trials[0].lifted_at_first());
-  write_text(folder.path / "b.yaml", "[1, 2]\n");
-  EXPECT_THROW(read_grasp_case(folder.path / "b.yaml"), geometry::InputError);
+  EXPECT_THROW(read_grasp_case("[1, 2]\n"), geometry::InputError);
   const int last = static_cast<int>(control::SurpriseKind::kSlip);
   for (const int kind : {-1, last + 1}) {
     written.trials[0].surprises[0].kind = static_cast<control::SurpriseKind>(kind);
-    write_grasp_case(folder.path / "c.yaml", written);
-    EXPECT_THROW(read_grasp_case(folder.path / "c.yaml"), geometry::InputError) << kind;
+    EXPECT_THROW(read_grasp_case(to_text(written)), geometry::InputError) << kind;
   }
 }
 
@@ -116,9 +111,7 @@ TEST(GraspTotals, WhatWasPlannedOnlySaysWhatFitsAndIsNotCounted) {
   EXPECT_EQ(grasp_text(cases).find("truth"), std::string::npos) << grasp_text(cases);
   // One of one, after Wilson.
   EXPECT_NE(grasp_text(cases).find("20.7 to 100.0"), std::string::npos) << grasp_text(cases);
-  const testing::TemporaryFolder folder;
-  write_grasp_case(folder.path / "a.yaml", cases[0]);
-  EXPECT_TRUE(read_grasp_case(folder.path / "a.yaml").trials[1].is_planned_only);
+  EXPECT_TRUE(read_grasp_case(to_text(cases[0])).trials[1].is_planned_only);
 }
 
 TEST(GraspTotals, AreOfEachGroupAndOfAll) {

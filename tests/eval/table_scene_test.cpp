@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "eval/case_runs.h"
 #include "eval/household_objects.h"
 #include "eval/platform/launched.h"
 #include "eval/platform/pick_run.h"
@@ -80,45 +79,18 @@ TEST(LaunchArguments, AreNamesWithValuesThatTheEvaluationDoesNotGive) {
   }
 }
 
-// Runs with other launch arguments would have been taken for those that are asked for.
-TEST(PickResults, OfAnotherSettingAreForgotten) {
-  const testing::TemporaryFolder folder;
-  CaseRunOptions options{.out = folder.path};
-  const auto runs = [&options] {
-    int count = 0;
-    run_cases(
-        options, {"a"},
-        [&count](int, const std::filesystem::path& file) {
-          const bool is_known = std::filesystem::exists(file);
-          count += is_known ? 0 : 1;
-          return is_known;
-        },
-        [](int, const std::filesystem::path& file) { write_pick(file, {}); });
-    return count;
-  };
-  EXPECT_EQ(runs(), 1);
-  EXPECT_EQ(runs(), 0);
-  options.setting = "minimum_stability:=0.1\n";
-  EXPECT_EQ(runs(), 1);
-  EXPECT_EQ(runs(), 0);
-  options.setting.clear();
-  EXPECT_EQ(runs(), 1);
-}
-
 TEST(PickResults, AreReadAsTheyWereWritten) {
-  const testing::TemporaryFolder folder;
   PickResult result;
   result.scene = "scene_001";
   result.platform = "kr5_sdh";
   result.outcome = PickResult::Outcome::kFalseClaim;
   result.reason = "it: \"was\" moved\nand more";
   result.raised = 0.12345;
-  write_pick(folder.path / "a.yaml", result);
-  const PickResult read = read_pick(folder.path / "a.yaml");
+  const PickResult read = read_pick(to_text(result));
   EXPECT_EQ(read.outcome, result.outcome);
   EXPECT_EQ(read.reason, result.reason);
   EXPECT_EQ(read.raised, result.raised);
-  EXPECT_THROW(read_pick(folder.path / "none.yaml"), geometry::InputError);
+  EXPECT_THROW(read_pick(""), geometry::InputError);
 }
 
 }  // namespace

@@ -53,6 +53,15 @@ TEST_F(Collecting, ReadsJson) {
   EXPECT_THAT(refusal({Kind::kJson, "r.json", {}}), HasSubstr("no JSON object"));
 }
 
+TEST_F(Collecting, ReadsTextAsItIs) {
+  const std::string text("a: 1\n\n\"b, c\"\r\n");
+  folder_.write("r.yaml", text);
+  const Rows rows = from({Kind::kText, "r.yaml", {}});
+  EXPECT_THAT(rows.names, ElementsAre("text"));
+  EXPECT_THAT(rows.rows, ElementsAre(ElementsAre(text)));
+  EXPECT_THAT(refusal({Kind::kText, "none.yaml", {}}), HasSubstr("wrote no none.yaml"));
+}
+
 TEST_F(Collecting, ReadsWhatIsPrinted) {
   const ResultSource source{Kind::kOutput, "", {{"force", "force (\\S+) N"}}};
   folder_.write("output.txt", "force 1 N\nforce 2.5 N\nend\n");

@@ -81,6 +81,25 @@ TEST_F(Results, OfOtherArgumentsAreRefused) {
   }
 }
 
+TEST_F(Results, BeginAnewWithTheirCosts) {
+  ResultStore store(folder_.path("anew.db"));
+  const std::map<std::string, std::string> first{{"build", "1"}, {"setting", ""}};
+  EXPECT_FALSE(store.agrees_with(first)) << "nothing is noted";
+  store.begin_anew(first);
+  EXPECT_TRUE(store.agrees_with(first));
+  CaseResult one;
+  one.name = "a";
+  one.seconds = 3;
+  store.add({one});
+  const std::map<std::string, std::string> second{{"build", "2"}, {"setting", ""}};
+  EXPECT_FALSE(store.agrees_with(second));
+  store.begin_anew(second);
+  EXPECT_TRUE(store.agrees_with(second));
+  EXPECT_FALSE(store.agrees_with(first));
+  EXPECT_FALSE(store.has("a"));
+  EXPECT_EQ(store.seconds("a"), 3);
+}
+
 TEST_F(Results, OfAnotherProgramAreRefused) {
   folder_.write("r.db", std::string(4096, 'x'));
   EXPECT_THROW(ResultStore(folder_.path("r.db")), text::InputError);

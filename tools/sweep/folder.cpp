@@ -1,19 +1,11 @@
 #include "tools/sweep/folder.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstring>
 #include <regex>
 
 #include <fmt/format.h>
 
 #include "prehend/text/input_error.h"
-#include "tools/sweep/case_process.h"
 
 namespace prehend::tools {
 namespace {
@@ -31,27 +23,6 @@ void make_folder(const fs::path& folder) {
 }
 
 }  // namespace
-
-FolderLock::FolderLock(const fs::path& file, bool is_shared, const std::string& what) {
-  file_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (file_ < 0) {
-    throw InputError("'" + file.string() + "' cannot be opened: " + std::strerror(errno),
-                     "Check the folder, or name another --out");
-  }
-  if (flock(file_, (is_shared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
-    std::array<char, 256> who{};
-    const bool known = pread(file_, who.data(), who.size() - 1, 0) > 0;
-    close(file_);
-    throw InputError(fmt::format("{} is in use by another sweep{}", what,
-                                 known ? fmt::format(" ({})", who.data()) : ""),
-                     "Wait until that ends, or stop it");
-  }
-  const std::string me = this_worker();
-  // Only what the message above says: failing to write it is no reason to stop.
-  if (ftruncate(file_, 0) == 0 && pwrite(file_, me.data(), me.size(), 0) < 0) return;
-}
-
-FolderLock::~FolderLock() { close(file_); }
 
 Part Part::parse(const std::string& text) {
   static const std::regex kPart(R"((\d{1,6})/(\d{1,6}))");
@@ -86,19 +57,19 @@ std::vector<fs::path> SweepFolder::parts(const fs::path& except) const {
   return found;
 }
 
-std::unique_ptr<FolderLock> SweepFolder::lock_whole() const {
-  return std::make_unique<FolderLock>(folder_ / "lock", false, "'" + folder_.string() + "'");
+std::unique_ptr<sweep::FolderLock> SweepFolder::lock_whole() const {
+  return std::make_unique<sweep::FolderLock>(folder_ / "lock", false, "'" + folder_.string() + "'");
 }
 
-std::pair<std::unique_ptr<FolderLock>, std::unique_ptr<FolderLock>> SweepFolder::lock_part(
-    const Part& part) const {
+std::pair<std::unique_ptr<sweep::FolderLock>, std::unique_ptr<sweep::FolderLock>>
+SweepFolder::lock_part(const Part& part) const {
   make_folder(folder_ / "parts");
   const std::string what = fmt::format("'{}'", folder_.string());
-  auto shared = std::make_unique<FolderLock>(folder_ / "lock", true, what);
+  auto shared = std::make_unique<sweep::FolderLock>(folder_ / "lock", true, what);
   fs::path own = this->part(part);
   own.replace_extension(".lock");
   return {std::move(shared),
-          std::make_unique<FolderLock>(
+          std::make_unique<sweep::FolderLock>(
               own, false, fmt::format("Part {}/{} of {}", part.number, part.of, what))};
 }
 

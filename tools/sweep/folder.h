@@ -8,22 +8,9 @@
 #include <vector>
 
 #include "prehend/sweep/results.h"
+#include "prehend/sweep/workers/folder_lock.h"
 
 namespace prehend::tools {
-
-/// Keeps others from a file while it lives, also over hosts that share the folder.
-class FolderLock {
- public:
-  /// Several may share it unless somebody has it alone. @throws InputError when others have it:
-  /// `what` is in use, and by whom.
-  FolderLock(const std::filesystem::path& file, bool is_shared, const std::string& what);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int file_ = -1;
-};
 
 /// "3/8": part 3 of 8.
 struct Part {
@@ -50,10 +37,10 @@ class SweepFolder {
   /// Parts' results that are there, sorted; without those of `except`.
   std::vector<std::filesystem::path> parts(const std::filesystem::path& except = {}) const;
 
-  /// The folder for one process that may change all of it. @throws InputError as FolderLock.
-  std::unique_ptr<FolderLock> lock_whole() const;
+  /// The folder for one process that may change all of it. @throws InputError as sweep::FolderLock.
+  std::unique_ptr<sweep::FolderLock> lock_whole() const;
   /// A part's share of it; the second is the part's own.
-  std::pair<std::unique_ptr<FolderLock>, std::unique_ptr<FolderLock>> lock_part(
+  std::pair<std::unique_ptr<sweep::FolderLock>, std::unique_ptr<sweep::FolderLock>> lock_part(
       const Part& part) const;
 
   /// Takes what parts have into `store` and removes their files. How many there were.

@@ -10,12 +10,13 @@
 
 #include "prehend/sweep/cases.h"
 #include "prehend/sweep/table.h"
+#include "prehend/sweep/workers/mpi_ranks.h"
+#include "prehend/sweep/workers/run_cases.h"
+#include "prehend/sweep/workers/said_progress.h"
 #include "prehend/text/input_error.h"
 #include "tools/sweep/case_program.h"
 #include "tools/sweep/folder.h"
 #include "tools/sweep/hdf5_table.h"
-#include "tools/sweep/mpi_ranks.h"
-#include "tools/sweep/run_cases.h"
 #include "tools/sweep/said.h"
 #include "tools/sweep/slurm_array.h"
 
@@ -24,9 +25,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using sweep::Case;
+using sweep::CaseOrder;
 using sweep::CaseResult;
 using sweep::Cases;
 using sweep::ResultStore;
+using sweep::RunProgress;
+using sweep::Workers;
 using text::InputError;
 
 class Sweep {
@@ -160,7 +164,8 @@ class Sweep {
   std::unique_ptr<Workers> workers_for(std::int64_t cases) const {
     const int asked = choices_.workers > 0 ? choices_.workers
                                            : static_cast<int>(std::thread::hardware_concurrency());
-    return workers_here(static_cast<int>(std::min<std::int64_t>(std::max(1, asked), cases)));
+    return sweep::workers_here(static_cast<int>(std::min<std::int64_t>(std::max(1, asked), cases)),
+                               sweep::run_program);
   }
 
   template <class Known>
@@ -172,12 +177,12 @@ class Sweep {
     }
     std::unique_ptr<Workers> here;
     if (!ranks_) here = workers_for(handout.total());
-    SaidProgress said;
-    const RunProgress progress = run_cases(
+    sweep::SaidProgress said;
+    const RunProgress progress = sweep::run_cases(
         handout, ranks_ ? *ranks_ : *here, store, [this](std::int64_t i) { return order(i); },
         [&](const RunProgress& now) { said.say(now); });
     said.end();
-    print_summary(progress);
+    sweep::print_summary(progress);
     if (progress.failed > 0) {
       print_status(
           cases_, [&](const std::string& name) { return store.find(name); }, command());
@@ -256,8 +261,8 @@ class Sweep {
 
 int run_sweep(const SweepChoices& choices) {
   if (!choices.mpi) return Sweep(choices, nullptr).run();
-  return hand_out_to_ranks(choices.lost_after,
-                           [&](Workers& ranks) { return Sweep(choices, &ranks).run(); });
+  return sweep::hand_out_to_ranks(choices.lost_after, sweep::run_program,
+                                  [&](Workers& ranks) { return Sweep(choices, &ranks).run(); });
 }
 
 }  // namespace prehend::tools

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "tools/sweep/case_process.h"
+#include "prehend/sweep/workers/case_process.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 /// Those who run cases, each one at a time.
 class Workers {
@@ -27,7 +27,7 @@ class Workers {
   virtual void stop() = 0;
 };
 
-/// So many child processes of this one.
-std::unique_ptr<Workers> workers_here(int count);
+/// So many child processes of this one, each of which does `body`.
+std::unique_ptr<Workers> workers_here(int count, CaseBody body);
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

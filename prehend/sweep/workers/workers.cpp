@@ -1,13 +1,17 @@
-#include "tools/sweep/workers.h"
+#include "prehend/sweep/workers/workers.h"
 
 #include <algorithm>
+#include <utility>
 
-namespace prehend::tools {
+namespace prehend::sweep {
 namespace {
 
 class WorkersHere : public Workers {
  public:
-  explicit WorkersHere(int count) : slots_(static_cast<std::size_t>(count)) { hold_signals(); }
+  WorkersHere(int count, CaseBody body)
+      : body_(std::move(body)), slots_(static_cast<std::size_t>(count)) {
+    hold_signals();
+  }
 
   int count() const override { return static_cast<int>(slots_.size()); }
   int free() const override {
@@ -16,7 +20,7 @@ class WorkersHere : public Workers {
 
   void start(CaseOrder order) override {
     *std::find(slots_.begin(), slots_.end(), nullptr) =
-        std::make_unique<CaseProcess>(std::move(order));
+        std::make_unique<CaseProcess>(std::move(order), body_);
   }
 
   std::vector<CaseEnd> wait(bool& is_to_end) override {
@@ -44,11 +48,14 @@ class WorkersHere : public Workers {
   }
 
  private:
+  CaseBody body_;
   std::vector<std::unique_ptr<CaseProcess>> slots_;
 };
 
 }  // namespace
 
-std::unique_ptr<Workers> workers_here(int count) { return std::make_unique<WorkersHere>(count); }
+std::unique_ptr<Workers> workers_here(int count, CaseBody body) {
+  return std::make_unique<WorkersHere>(count, std::move(body));
+}
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

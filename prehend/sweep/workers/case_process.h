@@ -5,21 +5,22 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "prehend/sweep/results.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 /// What a worker is told to run.
 struct CaseOrder {
   std::int64_t index = 0;
   std::string name;
-  std::vector<std::string> words;  // the program's path and its arguments
+  std::vector<std::string> words;  // of run_program(): the program's path and its arguments
   std::string folder;              // its own; it is emptied first
-  sweep::ResultSource results;
+  ResultSource results;
   double timeout = 0;  // s; 0: none
   bool keep = true;    // the folder, when all went well
 };
@@ -28,15 +29,23 @@ struct CaseOrder {
 /// ended, SIGTERM, SIGINT, SIGHUP), which says nothing of the case.
 struct CaseEnd {
   std::int64_t index = 0;
-  std::optional<sweep::CaseResult> result;
+  std::optional<CaseResult> result;
 };
 
-/// The program of one case as a child process in a group of its own, with what it prints in
-/// FOLDER/output.txt. It dies with this process.
+/// What the process of a case does. The case is well when it returns; what it throws is printed.
+using CaseBody = std::function<void(const CaseOrder&)>;
+
+/// Becomes the program that the order's words name, with this process's environment but for what
+/// makes it a rank of MPI; a program that uses MPI itself would take itself for one of ours.
+[[noreturn]] void run_program(const CaseOrder& order);
+
+/// One case as a child process in a group of its own, with what it prints in FOLDER/output.txt. It
+/// dies with this process.
 class CaseProcess {
  public:
+  /// @pre What other threads of this process lock, `body` does not use (memory excepted).
   /// @throws InputError when the folder cannot be made, std::system_error for want of processes.
-  explicit CaseProcess(CaseOrder order);
+  CaseProcess(CaseOrder order, const CaseBody& body);
   /// Ends it: SIGTERM, 3 s later SIGKILL.
   ~CaseProcess();
   CaseProcess(const CaseProcess&) = delete;
@@ -70,4 +79,4 @@ bool wait_for_signal(double seconds);
 /// "host:process", for the costs.
 std::string this_worker();
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

@@ -10,9 +10,9 @@
 #include <boost/serialization/utility.hpp>
 #include <boost/serialization/vector.hpp>
 
-#include "tools/sweep/case_process.h"
+#include "prehend/sweep/workers/case_process.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 /// Writes the fields to an archive of Boost.Serialization, or reads them, in this order.
 template <class Archive, class... Field>
@@ -20,40 +20,40 @@ void archive_fields(Archive& archive, Field&... field) {
   ((archive & field), ...);
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep
 
 namespace boost::serialization {
 
 template <class Archive>
 void serialize(Archive& archive, prehend::sweep::ResultSource& source, unsigned) {
-  prehend::tools::archive_fields(archive, source.kind, source.file, source.patterns);
+  prehend::sweep::archive_fields(archive, source.kind, source.file, source.patterns);
 }
 
 template <class Archive>
-void serialize(Archive& archive, prehend::tools::CaseOrder& order, unsigned) {
-  prehend::tools::archive_fields(archive, order.index, order.name, order.words, order.folder,
+void serialize(Archive& archive, prehend::sweep::CaseOrder& order, unsigned) {
+  prehend::sweep::archive_fields(archive, order.index, order.name, order.words, order.folder,
                                  order.results, order.timeout, order.keep);
 }
 
 template <class Archive>
 void serialize(Archive& archive, prehend::sweep::CaseResult& result, unsigned) {
-  prehend::tools::archive_fields(archive, result.name, result.problem, result.output,
+  prehend::sweep::archive_fields(archive, result.name, result.problem, result.output,
                                  result.rows.names, result.rows.rows, result.seconds,
                                  result.worker);
 }
 
 template <class Archive>
-void serialize(Archive& archive, prehend::tools::CaseEnd& end, unsigned) {
+void serialize(Archive& archive, prehend::sweep::CaseEnd& end, unsigned) {
   bool has_result = end.result.has_value();
-  prehend::tools::archive_fields(archive, end.index, has_result);
+  prehend::sweep::archive_fields(archive, end.index, has_result);
   if (!has_result) return;
   if (!end.result) end.result.emplace();
-  prehend::tools::archive_fields(archive, *end.result);
+  prehend::sweep::archive_fields(archive, *end.result);
 }
 
 }  // namespace boost::serialization
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 /// What a message is about, and what comes with it. Rank 0 hands out; kStop is the last that it
 /// tells a rank, and kGone the last that a rank tells it: so no message is left when MPI ends.
@@ -91,4 +91,4 @@ class MpiPost {
   std::vector<boost::mpi::request> sent_;  // they have the messages' memory
 };
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

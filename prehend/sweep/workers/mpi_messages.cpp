@@ -1,10 +1,10 @@
-#include "tools/sweep/mpi_messages.h"
+#include "prehend/sweep/workers/mpi_messages.h"
 
 #include <unistd.h>
 
 #include <chrono>
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 void MpiPost::clear() {
   std::erase_if(sent_, [](boost::mpi::request& one) {
@@ -24,4 +24,4 @@ void MpiPost::flush(double seconds) {
   }
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

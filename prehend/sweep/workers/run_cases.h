@@ -5,9 +5,9 @@
 
 #include "prehend/sweep/handout.h"
 #include "prehend/sweep/results.h"
-#include "tools/sweep/workers.h"
+#include "prehend/sweep/workers/workers.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 struct RunProgress {
   std::int64_t total = 0, done = 0, failed = 0;  // of this run's cases; failed ones are not done
@@ -21,8 +21,8 @@ struct RunProgress {
 
 /// Hands the cases to the workers and writes each result down at once. `order` says what a case is,
 /// `say` hears how far it is about once a second.
-RunProgress run_cases(sweep::Handout& handout, Workers& workers, sweep::ResultStore& store,
+RunProgress run_cases(Handout& handout, Workers& workers, ResultStore& store,
                       const std::function<CaseOrder(std::int64_t)>& order,
                       const std::function<void(const RunProgress&)>& say);
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/sweep/mpi_messages.h"
-#include "tools/sweep/workers.h"
+#include "prehend/sweep/workers/mpi_messages.h"
+#include "prehend/sweep/workers/workers.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 /// The other ranks, for rank 0. One that says nothing for `lost_after` [s] is lost, and its case
 /// ends without a result, as that of one that ends by a signal. The time in which this rank itself
@@ -58,4 +58,4 @@ class MpiWorkers : public Workers {
   std::string problem_;  // of a rank that failed; not yet thrown
 };
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

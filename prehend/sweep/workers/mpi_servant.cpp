@@ -1,4 +1,4 @@
-#include "tools/sweep/mpi_servant.h"
+#include "prehend/sweep/workers/mpi_servant.h"
 
 #include <algorithm>
 #include <optional>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace prehend::tools {
+namespace prehend::sweep {
 namespace {
 
 // Rank 0 says nothing while it reads a long description or old results.
@@ -69,7 +69,7 @@ void MpiServant::listen() {
     if (message->tag() == kRun) {
       CaseOrder order;
       post_.world().recv(0, kRun, order);
-      if (!is_leaving_) running_ = std::make_unique<CaseProcess>(std::move(order));
+      if (!is_leaving_) running_ = std::make_unique<CaseProcess>(std::move(order), body_);
     } else {
       post_.world().recv(0, message->tag());
       is_to_end_ = is_to_end_ || message->tag() == kStop;
@@ -84,4 +84,4 @@ void MpiServant::look_after_case() {
   post_.send(0, kEnd, *end);
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

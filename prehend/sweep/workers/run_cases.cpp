@@ -1,4 +1,4 @@
-#include "tools/sweep/run_cases.h"
+#include "prehend/sweep/workers/run_cases.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace prehend::tools {
+namespace prehend::sweep {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -19,7 +19,7 @@ double between(Clock::time_point from, Clock::time_point to) {
 
 }  // namespace
 
-RunProgress run_cases(sweep::Handout& handout, Workers& workers, sweep::ResultStore& store,
+RunProgress run_cases(Handout& handout, Workers& workers, ResultStore& store,
                       const std::function<CaseOrder(std::int64_t)>& order,
                       const std::function<void(const RunProgress&)>& say) {
   RunProgress progress;
@@ -29,7 +29,7 @@ RunProgress run_cases(sweep::Handout& handout, Workers& workers, sweep::ResultSt
   double occupied = 0;  // s of workers that ran a case, or could have
   int running = 0;
   std::optional<std::int64_t> next = handout.next();
-  std::vector<sweep::CaseResult> results;
+  std::vector<CaseResult> results;
   const auto account = [&] {
     const Clock::time_point now = Clock::now();
     occupied += between(before, now) * (next ? workers.count() : running);
@@ -63,7 +63,7 @@ RunProgress run_cases(sweep::Handout& handout, Workers& workers, sweep::ResultSt
         end.result.emplace();
         end.result->name = order(end.index).name;
         end.result->problem =
-            fmt::format("It was killed from outside, {} times", sweep::Handout::kAttempts);
+            fmt::format("It was killed from outside, {} times", Handout::kAttempts);
       }
       progress.working += end.result->seconds;
       ++(end.result->failed() ? progress.failed : progress.done);
@@ -81,4 +81,4 @@ RunProgress run_cases(sweep::Handout& handout, Workers& workers, sweep::ResultSt
   return progress;
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

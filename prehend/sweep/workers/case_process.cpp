@@ -1,4 +1,4 @@
-#include "tools/sweep/case_process.h"
+#include "prehend/sweep/workers/case_process.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -10,7 +10,9 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <string_view>
 #include <system_error>
@@ -20,7 +22,7 @@
 #include "prehend/sweep/collect.h"
 #include "prehend/text/input_error.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kGrace = 3;      // s, from SIGTERM to SIGKILL
 constexpr int kNotStarted = 127;  // as shells have it
+constexpr int kThrew = 70;        // EX_SOFTWARE
 
 sigset_t held_signals() {
   sigset_t set;
@@ -36,7 +39,6 @@ sigset_t held_signals() {
   return set;
 }
 
-// A program that uses MPI itself would take itself for a rank of ours.
 std::vector<char*> environment_of_case() {
   std::vector<char*> kept;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -50,8 +52,8 @@ std::vector<char*> environment_of_case() {
   return kept;
 }
 
-// After fork(): only what is safe there.
-[[noreturn]] void become(char* const* words, char* const* environment, int output, pid_t parent) {
+// A child's streams and signals, and its end when its parent's comes.
+void settle_child(int output, pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kNotStarted);  // it ended before that
@@ -62,10 +64,19 @@ std::vector<char*> environment_of_case() {
   if (input < 0 || dup2(input, 0) < 0 || dup2(output, 1) < 0 || dup2(output, 2) < 0) {
     _exit(kNotStarted);
   }
-  execve(words[0], words, environment);
-  const char* why = strerror(errno);
-  dprintf(2, "cannot start %s: %s\n", words[0], why);
-  _exit(kNotStarted);
+}
+
+[[noreturn]] void run_child(const CaseOrder& order, const CaseBody& body) {
+  int code = 0;
+  try {
+    body(order);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    code = kThrew;
+  }
+  // Destructors belong to the parent.
+  std::fflush(nullptr);
+  _exit(code);
 }
 
 // Programs do not end themselves by these: the user does, Slurm, or the kernel for want of memory.
@@ -84,7 +95,18 @@ std::string said(int status) {
 
 }  // namespace
 
-CaseProcess::CaseProcess(CaseOrder order) : order_(std::move(order)) {
+void run_program(const CaseOrder& order) {
+  std::vector<std::string> own = order.words;
+  std::vector<char*> words, environment = environment_of_case();
+  for (std::string& word : own) words.push_back(word.data());
+  words.push_back(nullptr);
+  execve(words[0], words.data(), environment.data());
+  std::fprintf(stderr, "cannot start %s: %s\n", words[0], std::strerror(errno));
+  std::fflush(nullptr);
+  _exit(kNotStarted);
+}
+
+CaseProcess::CaseProcess(CaseOrder order, const CaseBody& body) : order_(std::move(order)) {
   const fs::path folder = order_.folder;
   std::error_code error;
   fs::remove_all(folder, error);  // what an earlier attempt left
@@ -97,13 +119,14 @@ CaseProcess::CaseProcess(CaseOrder order) : order_(std::move(order)) {
     throw text::InputError("'" + folder.string() + "' cannot be made: " + error.message(),
                            "Name another --out");
   }
-  std::vector<char*> words, environment = environment_of_case();
-  for (std::string& word : order_.words) words.push_back(word.data());
-  words.push_back(nullptr);
+  std::fflush(nullptr);  // else the child would write what is buffered once more
   const pid_t parent = getpid();
   start_ = Clock::now();
   process_ = fork();
-  if (process_ == 0) become(words.data(), environment.data(), output, parent);
+  if (process_ == 0) {
+    settle_child(output, parent);
+    run_child(order_, body);
+  }
   const int why = errno;
   close(output);
   if (process_ < 0) throw std::system_error(why, std::generic_category(), "fork");
@@ -157,7 +180,7 @@ CaseEnd CaseProcess::ended(int status) {
   CaseEnd end;
   end.index = order_.index;
   if (!is_late_ && is_from_outside(status)) return end;
-  sweep::CaseResult& result = end.result.emplace();
+  CaseResult& result = end.result.emplace();
   result.name = order_.name;
   result.seconds = seconds();
   result.worker = this_worker();
@@ -167,13 +190,13 @@ CaseEnd CaseProcess::ended(int status) {
     result.problem = said(status);
   } else {
     try {
-      result.rows = sweep::collect(order_.results, order_.folder, output_);
+      result.rows = collect(order_.results, order_.folder, output_);
     } catch (const text::InputError& error) {
       result.problem = error.problem();
     }
   }
   if (result.failed()) {
-    result.output = sweep::last_lines(output_);
+    result.output = last_lines(output_);
   } else if (!order_.keep) {
     std::error_code ignored;  // a folder that stays does no harm
     fs::remove_all(order_.folder, ignored);
@@ -202,4 +225,4 @@ std::string this_worker() {
   return fmt::format("{}:{}", host.data(), getpid());
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

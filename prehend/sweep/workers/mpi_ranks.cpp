@@ -1,4 +1,4 @@
-#include "tools/sweep/mpi_ranks.h"
+#include "prehend/sweep/workers/mpi_ranks.h"
 
 #include "prehend/text/input_error.h"
 
@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -13,11 +14,11 @@
 #include <fmt/format.h>
 #include <boost/mpi/environment.hpp>
 
-#include "tools/sweep/mpi_messages.h"
-#include "tools/sweep/mpi_servant.h"
-#include "tools/sweep/mpi_workers.h"
+#include "prehend/sweep/workers/mpi_messages.h"
+#include "prehend/sweep/workers/mpi_servant.h"
+#include "prehend/sweep/workers/mpi_workers.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 namespace {
 
 namespace mpi = boost::mpi;
@@ -31,8 +32,12 @@ bool has_launcher() {
 
 text::InputError too_few(const std::string& found) {
   return {"--mpi needs two ranks or more, of which the first hands out, and " + found,
-          "Start it by `mpirun -n 5 prehend sweep ... --mpi` or `srun --mpi=pmix -n 5 ...`, or "
+          "Start it by `mpirun -n 5 PROGRAM ... --mpi` or `srun --mpi=pmix -n 5 ...`, or "
           "leave --mpi out"};
+}
+
+void say_problem(const std::exception& error) {
+  fmt::print(stderr, "{}: {}\n", program_invocation_short_name, error.what());
 }
 
 [[noreturn]] void end_all(int code) {
@@ -46,7 +51,7 @@ bool have_all_ended(MpiWorkers& workers) {
     workers.stop();
     return workers.have_all_ended();
   } catch (const mpi::exception& error) {
-    fmt::print(stderr, "prehend sweep: {}\n", error.what());
+    say_problem(error);
     return false;
   }
 }
@@ -64,7 +69,7 @@ int lead(MpiPost& post, double lost_after, const std::function<int(Workers&)>& h
     try {
       if (problem) std::rethrow_exception(problem);
     } catch (const std::exception& error) {
-      fmt::print(stderr, "prehend sweep: {}\n", error.what());
+      say_problem(error);
     }
     fmt::print(stderr, "Ranks that are lost are ended by MPI_Abort\n");
     end_all(code);
@@ -75,36 +80,38 @@ int lead(MpiPost& post, double lost_after, const std::function<int(Workers&)>& h
 
 }  // namespace
 
-int hand_out_to_ranks(double lost_after, const std::function<int(Workers&)>& hand_out) {
+int hand_out_to_ranks(double lost_after, const CaseBody& body,
+                      const std::function<int(Workers&)>& hand_out) {
   if (!has_launcher()) throw too_few("no mpirun or srun started this one");
   hold_signals();  // before MPI starts threads of its own, which would get them
   const mpi::environment environment(mpi::threading::single, false);
   MpiPost post;
   if (post.world().size() < 2) throw too_few("there is one");
   try {
-    return post.world().rank() == 0 ? lead(post, lost_after, hand_out) : MpiServant(post).serve();
+    return post.world().rank() == 0 ? lead(post, lost_after, hand_out)
+                                    : MpiServant(post, body).serve();
   } catch (const mpi::exception& error) {
-    fmt::print(stderr, "prehend sweep: {}\n", error.what());
+    say_problem(error);
   } catch (const std::exception& error) {
     if (post.world().rank() == 0) throw;
-    fmt::print(stderr, "prehend sweep: {}\n", error.what());
+    say_problem(error);
   }
   // MPI_Finalize might wait for who cannot be reached.
   end_all(1);
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep
 
 #else
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
-int hand_out_to_ranks(double, const std::function<int(Workers&)>&) {
+int hand_out_to_ranks(double, const CaseBody&, const std::function<int(Workers&)>&) {
   throw text::InputError("This prehend was built without MPI",
                          "Install libboost-mpi-dev, openmpi-bin and libopenmpi-dev and build it "
                          "again, or leave --mpi out");
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep
 
 #endif

@@ -1,4 +1,4 @@
-#include "tools/sweep/mpi_workers.h"
+#include "prehend/sweep/workers/mpi_workers.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace prehend::tools {
+namespace prehend::sweep {
 namespace {
 
 // Longer than a rank takes to end its case.
@@ -164,4 +164,4 @@ void MpiWorkers::find_lost(std::vector<CaseEnd>& ends) {
   }
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep

@@ -3,17 +3,19 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 
-#include "tools/sweep/case_process.h"
-#include "tools/sweep/mpi_messages.h"
+#include "prehend/sweep/workers/case_process.h"
+#include "prehend/sweep/workers/mpi_messages.h"
 
-namespace prehend::tools {
+namespace prehend::sweep {
 
 /// A rank that runs what rank 0 hands out, one case at a time.
 class MpiServant {
  public:
-  /// `post` lives as long. Signals have to be held, hold_signals().
-  explicit MpiServant(MpiPost& post) : post_(post), where_(this_worker()) {}
+  /// `post` lives as long. A case's process does `body`. Signals have to be held, hold_signals().
+  MpiServant(MpiPost& post, CaseBody body)
+      : post_(post), body_(std::move(body)), where_(this_worker()) {}
 
   /// Until rank 0 tells it to end, which it does also after a signal that this rank got and after
   /// an error here, both of which it is told. The exit code: 1 after an error. @throws
@@ -29,6 +31,7 @@ class MpiServant {
   void leave();
 
   MpiPost& post_;
+  const CaseBody body_;
   const std::string where_;
   std::unique_ptr<CaseProcess> running_;
   Clock::time_point heard_ = Clock::now(), said_{};
@@ -36,4 +39,4 @@ class MpiServant {
   bool is_to_end_ = false;
 };
 
-}  // namespace prehend::tools
+}  // namespace prehend::sweep
