@@ -13,7 +13,7 @@ struct ChainSweep {
   CaseRunOptions runs;             // out: folder of the views' results and of the page
   std::filesystem::path front;     // file
   std::string machine;             // that it is measured on, in words
-  bool quick = false;  // few chains and views; the front goes to `out`
+  bool quick = false;              // few chains and views; the front goes to `out`
 };
 
 /// Runs every chain of the grid on the views (those that are known already are not run again), says
