@@ -77,6 +77,8 @@ std::string to_string(Reason reason) {
       return "the same as a better one";
     case Reason::kRankedBelow:
       return "ranked below the best";
+    case Reason::kEnough:
+      return "not tried: enough others are sure to hold";
     case Reason::kNoTime:
       return "not tried: the time was used up";
   }

@@ -31,6 +31,7 @@ enum class Reason {
   kTooWeak,
   kSame,
   kRankedBelow,
+  kEnough,
   kNoTime,
 };
 /// In words for people.

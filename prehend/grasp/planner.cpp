@@ -15,6 +15,7 @@
 #include "prehend/grasp/closing/closing_registry.h"
 #include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/grasp/parallel.h"
+#include "prehend/grasp/refined_grasps.h"
 #include "prehend/grasp/surface_trust.h"
 
 namespace prehend::grasp {
@@ -28,14 +29,6 @@ struct Tried {
   std::string generator;
   const robot::Preshape* preshape = nullptr;
   Candidate candidate;
-};
-
-struct Listed {
-  ClosedGrasp closed;
-  std::size_t order = 0;  // of the candidate
-  Grasp& grasp() { return closed.grasp; }
-  const Grasp& grasp() const { return closed.grasp; }
-  bool is_too_wide() const { return closed.too_wide.has_value(); }
 };
 
 /// A shape that the object has, or may have, and the hand that closes on it.
@@ -97,11 +90,14 @@ class Planner {
   bool time_is_up() const { return options_.budget > 0 && seconds() > options_.budget; }
   std::vector<Tried> given() const;
   std::vector<Tried> candidates(const std::vector<std::string>& generators) const;
-  std::vector<Listed> evaluated(const std::vector<Tried>& tried, std::size_t order);
+  std::vector<Listed> evaluated(const std::vector<Tried>& tried, std::size_t order,
+                                std::size_t begin, std::size_t end);
   std::vector<Listed> best_of(std::vector<Listed> listed);
-  std::vector<Listed> ranked(const std::vector<Tried>& tried, std::size_t order);
+  std::vector<Listed> ranked(std::vector<Listed> listed);
+  std::vector<Listed> searched(const std::vector<Tried>& tried, std::size_t order);
   std::optional<Refusal> assess_surface(ClosedGrasp* closed) const;
-  void assess_robustness(std::vector<Listed>* best) const;
+  void assess_robustness(std::vector<Listed>* best);
+  bool are_enough(const std::vector<Listed>& best) const;
   bool is_robust(const std::vector<Listed>& best) const;
   std::string problem(int candidates) const;
 
@@ -116,6 +112,8 @@ class Planner {
   std::vector<Disturbance> disturbances_;
   steady_clock::time_point start_;
   std::vector<const robot::Preshape*> preshapes_;
+  std::vector<std::unique_ptr<OnShape>> alternatives_;  // once robustness is assessed
+  RefinedGrasps refined_;
   Ledger ledger_;
   double narrowest_ = std::numeric_limits<double>::infinity();  // m, outline in reachable views
 };
@@ -160,25 +158,31 @@ std::vector<Tried> Planner::candidates(const std::vector<std::string>& generator
   return all;
 }
 
-// With a budget in strides, so that whatever is tried is spread over all candidates.
-std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::size_t order) {
-  const std::size_t stride = options_.budget > 0 ? spreading_stride(tried.size()) : 1;
+// Those from `begin` to `end` of an order whose first ones are spread over all candidates.
+std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::size_t order,
+                                       std::size_t begin, std::size_t end) {
+  const std::size_t stride = spreading_stride(tried.size());
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = begin; i < end; ++i) chosen.push_back(i * stride % tried.size());
+  // Neighbours after one another look at the same places; but time may end before the last.
+  if (options_.budget <= 0) std::sort(chosen.begin(), chosen.end());
   struct Outcome {  // neither: there was no time
     std::optional<ClosedGrasp> closed;
     std::optional<Refusal> refusal;
   };
-  std::vector<Outcome> outcomes(tried.size());
-  for_each_index(tried.size(), options_.threads, [&](std::size_t i) {
+  std::vector<Outcome> outcomes(chosen.size());
+  for_each_index(chosen.size(), options_.threads, [&](std::size_t i) {
     if (time_is_up()) return;
-    const std::size_t at = i * stride % tried.size();
+    const Tried& one = tried[chosen[i]];
     ClosedGrasp closed;
-    outcomes[at].refusal = closing_->evaluate(tried[at].candidate, *tried[at].preshape, &closed);
-    if (!outcomes[at].refusal) outcomes[at].closed = std::move(closed);
+    outcomes[i].refusal = closing_->evaluate(one.candidate, *one.preshape, &closed);
+    if (!outcomes[i].refusal) outcomes[i].closed = std::move(closed);
   });
   std::vector<Listed> listed;
-  for (std::size_t at = 0; at < tried.size(); ++at) {
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const std::size_t at = chosen[i];
     const std::string& generator = tried[at].generator;
-    Outcome& outcome = outcomes[at];
+    Outcome& outcome = outcomes[i];
     if (!outcome.closed && !outcome.refusal) {
       ledger_.reject(Reason::kNoTime, generator);
       continue;
@@ -263,17 +267,18 @@ std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
       }
       next.push_back(last);
     }
-    std::vector<std::optional<Refusal>> refusals(next.size());
-    for_each_index(next.size(), options_.threads,
-                   [&](std::size_t i) { refusals[i] = closing_->refine(&listed[next[i]].closed); });
+    std::vector<Listed*> to_refine;
+    for (const std::size_t i : next) to_refine.push_back(&listed[i]);
+    refined_.refine(to_refine, *closing_, options_.threads);
     for (std::size_t i = first, refined = 0; i < last; ++i) {
       Listed& one = listed[i];
       if (refined == next.size() || next[refined] != i) {
         ledger_.reject(Reason::kSame, one.grasp().generator);
         continue;
       }
-      const auto refused = refusals[refined] ? refusals[refined] : assess_surface(&one.closed);
       ++refined;
+      const auto& refusal = refined_.refusal(one);
+      const auto refused = refusal ? refusal : assess_surface(&one.closed);
       if (refused) {
         ledger_.reject(refused->reason, one.grasp().generator, refused->miss);
       } else {
@@ -296,40 +301,33 @@ std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
 }
 
 // Who is assessed no more counts as if nothing held.
-void Planner::assess_robustness(std::vector<Listed>* best) const {
-  std::vector<std::unique_ptr<OnShape>> alternatives;
-  for (const auto& mesh_W : object_.alternatives_W) {
-    alternatives.push_back(closing_on(mesh_W, nowhere_));
+void Planner::assess_robustness(std::vector<Listed>* best) {
+  for (std::size_t i = alternatives_.size(); i < object_.alternatives_W.size(); ++i) {
+    alternatives_.push_back(closing_on(object_.alternatives_W[i], nowhere_));
   }
-  std::size_t assessed = best->size();
-  if (options_.robust_count > 0) {
-    assessed = std::min(assessed, static_cast<std::size_t>(options_.robust_count));
-  }
-  const std::vector<double> weights = shape_weights(object_);
-  const std::size_t samples = disturbances_.size(), shapes = weights.size();
-  std::vector<std::optional<bool>> held(assessed * samples);
-  for_each_index(held.size(), options_.threads, [&](std::size_t i) {
-    if (time_is_up()) return;
-    const Grasp& grasp = (*best)[i / samples].grasp();
-    const std::size_t shape = i % samples % shapes;
-    const Closing& closing = shape == 0 ? *closing_ : *alternatives[shape - 1]->closing;
-    const Disturbance& one = disturbances_[i % samples];
-    held[i] = closing.holds(grasp, grasp.X_WG * one.X_GD, one.friction);
-  });
-  for (std::size_t g = 0; g < best->size(); ++g) {
-    Grasp& grasp = (*best)[g].grasp();
-    if (g < assessed) {
-      grasp.held_on_shapes = shares_held(held, g * samples, samples, shapes);
-      grasp.robustness = mean_share(grasp.held_on_shapes, weights).value_or(grasp.robustness);
-      if (!grasp.held_on_shapes.empty() && shapes > 1) {
-        grasp.stops_on_shapes = {grasp.closed};
-        for (const auto& other : alternatives) {
-          grasp.stops_on_shapes.push_back(other->closing->stops(grasp));
-        }
-      }
+  std::vector<const Closing*> on_shapes{closing_};
+  for (const auto& one : alternatives_) on_shapes.push_back(one->closing.get());
+  std::vector<Listed*> assessed;
+  for (Listed& one : *best) {
+    if (options_.robust_count > 0 && static_cast<int>(assessed.size()) == options_.robust_count) {
+      break;
     }
+    assessed.push_back(&one);
+  }
+  refined_.assess(assessed, on_shapes, shape_weights(object_), disturbances_, options_.threads,
+                  [this] { return time_is_up(); });
+  for (Listed& one : *best) {
+    Grasp& grasp = one.grasp();
     grasp.score *= 1 - options_.robust_weight * (1 - std::max(0.0, grasp.robustness));
   }
+}
+
+bool Planner::are_enough(const std::vector<Listed>& best) const {
+  const auto sure = std::count_if(best.begin(), best.end(), [](const Listed& one) {
+    return !one.is_too_wide() && one.grasp().robustness >= PlannerOptions::kSure;
+  });
+  return options_.enough_grasps > 0 && static_cast<int>(best.size()) >= options_.largest_count &&
+         sure >= std::min(options_.enough_grasps, options_.largest_count);
 }
 
 bool Planner::is_robust(const std::vector<Listed>& best) const {
@@ -338,13 +336,43 @@ bool Planner::is_robust(const std::vector<Listed>& best) const {
   });
 }
 
-// The best of these candidates, best first; `order` is of the first of them among all.
-std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t order) {
-  std::vector<Listed> best = best_of(evaluated(tried, order));
+// The best of these, best first.
+std::vector<Listed> Planner::ranked(std::vector<Listed> listed) {
+  std::vector<Listed> best = best_of(std::move(listed));
   if (disturbances_.empty() || best.empty()) return best;
   assess_robustness(&best);
   std::sort(best.begin(), best.end(), better);
   return best;
+}
+
+// The best of these candidates, or enough of a share of them: the first share is what would be
+// found of fewer candidates, the last one the same as without shares. `order` is of the first
+// candidate among all.
+std::vector<Listed> Planner::searched(const std::vector<Tried>& tried, std::size_t order) {
+  constexpr std::size_t kShares[] = {4, 2};
+  std::vector<Listed> listed;
+  std::size_t begin = 0;
+  const auto try_until = [&](std::size_t end) {
+    for (Listed& one : evaluated(tried, order, begin, end)) listed.push_back(std::move(one));
+    begin = end;
+  };
+  for (const std::size_t share : kShares) {
+    if (disturbances_.empty() || options_.enough_grasps == 0) break;
+    try_until(tried.size() / share);
+    if (static_cast<int>(listed.size()) < options_.largest_count) continue;
+    const Ledger before = ledger_;
+    std::vector<Listed> best = ranked(listed);
+    if (are_enough(best)) {
+      const std::size_t stride = spreading_stride(tried.size());
+      for (; begin < tried.size(); ++begin) {
+        ledger_.reject(Reason::kEnough, tried[begin * stride % tried.size()].generator);
+      }
+      return best;
+    }
+    ledger_ = before;
+  }
+  try_until(tried.size());
+  return ranked(std::move(listed));
 }
 
 // The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
@@ -374,11 +402,12 @@ GraspPlan Planner::plan() {
   if (!is_given) tried = candidates(options_.generators);
   GraspPlan result;
   result.candidates = static_cast<int>(tried.size());
-  std::vector<Listed> best = ranked(tried, 0);
+  std::vector<Listed> best =
+      is_given ? ranked(evaluated(tried, 0, 0, tried.size())) : searched(tried, 0);
   if (!is_given && !is_robust(best) && !time_is_up()) {
     const std::vector<Tried> further = candidates(options_.further_generators);
     result.candidates += static_cast<int>(further.size());
-    for (Listed& one : ranked(further, tried.size())) best.push_back(std::move(one));
+    for (Listed& one : searched(further, tried.size())) best.push_back(std::move(one));
     std::sort(best.begin(), best.end(), better);
     while (static_cast<int>(best.size()) > options_.largest_count) {
       ledger_.reject(Reason::kRankedBelow, best.back().grasp().generator);

@@ -105,6 +105,12 @@ struct PlannerOptions {
   UncertaintyOptions uncertainty;
   int robust_count = 0;  // >= 0, of the best grasps, are assessed for robustness, the others count
                          // as if they never held; 0: all
+  /// Candidates are tried in shares that are spread over all of them: a quarter, a half, all. The
+  /// next share is tried only while fewer than `largest_count` grasps are listed, or fewer than
+  /// this many of them hold in kSure of their disturbed trials. >= 0; 0, or without such trials:
+  /// all are.
+  int enough_grasps = 4;
+  static constexpr double kSure = 0.9;
   int cone_edges = 8;    // >= 3, of the linearised friction cones
   double density = 800;  // kg/m^3, > 0, assumed of the unknown object
   /// Part of `density` that is assumed of an object with which the hand could hold nothing: cartons
@@ -158,6 +164,10 @@ struct PlannerOptions {
                "standard, about each axis, when it is tried so"});
     visit(Knob{"robust_count", self.robust_count, "", 0, 100000,
                "of the best grasps are tried so, the others count as if they never held; 0: all"});
+    visit(
+        Knob{"enough_grasps", self.enough_grasps, "", 0, 100000,
+             "once a plan is full and so many of it hold in nine of ten of these trials, the other "
+             "candidates are not tried; 0: all are"});
     visit(Knob{"robust_weight", self.robust_weight, "", 0, 1,
                "of the share of these trials in which a grasp holds, in its score"});
     visit(Knob{"guessed_weight", self.guessed_weight, "", 0, 1,

@@ -38,6 +38,7 @@ bool finer_may_help(const PlatformPlan& plan) {
       case grasp::Reason::kDirection:
       case grasp::Reason::kWorkspace:
       case grasp::Reason::kArm:
+      case grasp::Reason::kEnough:
         break;
       case grasp::Reason::kTooWide:
       case grasp::Reason::kTooHeavy:

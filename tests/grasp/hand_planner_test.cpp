@@ -192,6 +192,54 @@ TEST(PlanHandGrasps, TheBestAreRankedByWhatHoldsInDisturbedPoses) {
   EXPECT_TRUE(robustness(0).empty());
 }
 
+TEST(PlanHandGrasps, OnceEnoughAreSureTheOthersAreNotTried) {
+  for (const char* name : {"sdh2", "bh8"}) {
+    const TestHand hand(name);
+    const surface::ObjectModel object = standing(geometry::make_sphere(0.04, 48));
+    PlannerOptions options = quick();
+    options.largest_count = 3;
+    options.enough_grasps = 2;
+    options.uncertainty.position_deviation = 0.001;  // most hold in all of these
+    options.uncertainty.rotation_deviation = 0.01;
+    const GraspPlan enough = plan_grasps(object, kTable, {}, hand.ready, {}, options);
+    options.enough_grasps = 0;
+    const GraspPlan all = plan_grasps(object, kTable, {}, hand.ready, {}, options);
+    EXPECT_EQ(enough.candidates, all.candidates) << name;
+    EXPECT_EQ(counted(enough), enough.candidates) << name;
+    EXPECT_EQ(count(all, Reason::kEnough), 0) << name;
+    // Half of them at least, as shares are a quarter and a half.
+    EXPECT_GE(2 * count(enough, Reason::kEnough), enough.candidates) << name;
+    ASSERT_EQ(enough.grasps.size(), 3u) << name;
+    EXPECT_GE(enough.grasps[1].robustness, PlannerOptions::kSure) << name;
+    options.largest_count = 10000;
+    options.robust_count = 0;
+    const GraspPlan whole = plan_grasps(object, kTable, {}, hand.ready, {}, options);
+    for (const Grasp& grasp : enough.grasps) {
+      EXPECT_TRUE(std::any_of(whole.grasps.begin(), whole.grasps.end(), [&](const Grasp& one) {
+        return one.X_WG.isApprox(grasp.X_WG, 1e-2) && one.preshape == grasp.preshape;
+      })) << name;
+    }
+  }
+}
+
+// The shares are a matter of time alone: what was known of them is asked once, and says the same.
+TEST(PlanHandGrasps, WhereTooFewAreSureAllAreTriedAsIfAtOnce) {
+  for (const char* name : {"sdh2", "bh8", "pg70"}) {
+    const TestHand hand(name);
+    surface::ObjectModel object = standing(geometry::make_box({0.05, 0.06, 0.1}));
+    object.alternatives_W = {moved(object.mesh_W, {0.004, 0, 0})};
+    PlannerOptions options = hand.model.gripper ? default_options(hand.model) : quick();
+    options.uncertainty.position_deviation = 0.02;  // few hold in nine of ten of these
+    options.enough_grasps = options.largest_count;
+    const GraspPlan shares = plan_grasps(object, kTable, {}, hand.ready, {}, options);
+    EXPECT_EQ(count(shares, Reason::kEnough), 0) << name;
+    options.enough_grasps = 0;
+    const GraspPlan at_once = plan_grasps(object, kTable, {}, hand.ready, {}, options);
+    ASSERT_FALSE(shares.grasps.empty()) << name;
+    EXPECT_TRUE(equal(shares, at_once)) << name;
+  }
+}
+
 TEST(PlanHandGrasps, FurtherGeneratorsAreTriedWhenNothingIsRobust) {
   const TestHand hand("bh8");
   const surface::ObjectModel object = standing(geometry::make_sphere(0.04, 48));
