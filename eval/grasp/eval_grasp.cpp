@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "eval/case_choice.h"
@@ -43,6 +44,7 @@ struct Options {
   eval::CaseChoice choice = eval::default_choice("out/grasp");
   std::vector<std::string> platforms{"stage_pg70"};
   std::vector<std::string> planned_on = names_of_planned_on();
+  double budget = 0, tolerance = 0;  // s, m; 0: the defaults
   bool open_loop = false;
   std::string evidence = kEvidence.back().first;
   std::string task = "pick_and_place";
@@ -52,6 +54,7 @@ struct Options {
 struct PlatformCase {
   eval::Case one;
   const eval::PlatformUnderTest* platform;
+  const eval::ChainOptions* chain;
 };
 
 // Whether it is of every setting.
@@ -64,11 +67,26 @@ bool is_complete(const eval::GraspCase& result, const std::vector<eval::PlannerS
 
 int run(const Options& options) {
   std::deque<eval::PlatformUnderTest> platforms;
+  std::deque<eval::ChainOptions> chains;
+  eval::CaseRunOptions runs = options.choice.runs;
   const eval::ExecutionChoice choice{
       !options.open_loop,
       control::read_task(control::task_file(text::tree_file("config/tasks"), options.task))};
   for (const std::string& name : options.platforms) {
-    platforms.emplace_back(robot::platform_file(options.robots, name), choice);
+    const eval::PlatformUnderTest& platform =
+        platforms.emplace_back(robot::platform_file(options.robots, name), choice);
+    eval::ChainOptions& chain = chains.emplace_back();
+    if (!(options.budget > 0) && !(options.tolerance > 0)) continue;
+    const fidelity::ChosenChain chosen =
+        fidelity::choose_chain(text::tree_file("config/fidelity"),
+                               fidelity::chain_front_name(platform.hand().name, platform.name()),
+                               options.budget, options.tolerance);
+    chain = eval::chain_options(chosen);
+    const std::string setting =
+        fmt::format("{}: {} ({})\n", platform.name(), to_string(chosen.setting),
+                    measured_text(chosen.front, chosen.setting));
+    std::printf("%s", setting.c_str());
+    runs.setting += setting;
   }
   const std::vector<eval::PlannerSetting> settings = eval::compared_settings(options.planned_on);
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
@@ -79,19 +97,21 @@ int run(const Options& options) {
   });
   std::vector<PlatformCase> cases;
   std::vector<std::string> names;
-  for (const eval::PlatformUnderTest& platform : platforms) {
+  for (std::size_t i = 0; i < platforms.size(); ++i) {
+    const eval::PlatformUnderTest& platform = platforms[i];
     std::string run = platform.name() + (options.open_loop ? "_open_loop_" : "_");
     if (options.task != control::pick_and_place().name) run += options.task + "_";
     if (evidence->second != kEvidence.back().second) run += evidence->first + "_";
     for (const eval::Case& one : views) {
-      cases.push_back({one, &platform});
+      cases.push_back({one, &platform, &chains[i]});
       names.push_back(run + one.result_name());
     }
   }
   const auto results = eval::found_results(eval::run_cases(
-      options.choice.runs, names, eval::read_grasp_case,
+      runs, names, eval::read_grasp_case,
       [&](int i) {
-        return eval::run_grasp_case(cases[i].one, *cases[i].platform, settings, evidence->second);
+        return eval::run_grasp_case(cases[i].one, *cases[i].platform, settings, evidence->second,
+                                    *cases[i].chain);
       },
       [&](const eval::GraspCase& known) { return is_complete(known, settings); }));
   std::printf("%s", eval::grasp_text(results).c_str());
@@ -125,6 +145,15 @@ int main(int argc, char** argv) {
                  "case, as this tells whether an object fits the hand")
       ->check(CLI::IsMember(names_of_planned_on()))
       ->capture_default_str();
+  CLI::Option* budget =
+      app.add_option("--budget", options.budget,
+                     "s of processor from images to ranked grasps: how views are seen, shapes "
+                     "predicted and grasps planned, by the front of measured chains (planning is "
+                     "not cut off)")
+          ->check(CLI::PositiveNumber);
+  app.add_option("--tolerance", options.tolerance, "m, of the predicted mesh, likewise")
+      ->check(CLI::PositiveNumber)
+      ->excludes(budget);
   std::vector<std::string> uses;
   for (const auto& [name, use] : kEvidence) uses.push_back(name);
   app.add_option("--evidence", options.evidence,

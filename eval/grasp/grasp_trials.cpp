@@ -11,6 +11,7 @@
 #include "eval/household_objects.h"
 #include "eval/processor_time.h"
 #include "eval/resting_pose.h"
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
@@ -30,9 +31,20 @@ std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& ex
   return settings;
 }
 
+ChainOptions chain_options(const fidelity::ChosenChain& chain) {
+  const auto of = [&](fidelity::Stage stage) {
+    return stage_setting(chain.front, chain.setting, stage);
+  };
+  ChainOptions options;
+  fidelity::apply_seeing_setting(of(fidelity::Stage::kSeeing), &options.seeing);
+  options.shape = fidelity::shape_options(of(fidelity::Stage::kShape));
+  options.plan = of(fidelity::Stage::kPlan);
+  return options;
+}
+
 GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
-                         const std::vector<PlannerSetting>& settings,
-                         belief::EvidenceUse evidence) {
+                         const std::vector<PlannerSetting>& settings, belief::EvidenceUse evidence,
+                         const ChainOptions& chain) {
   GraspCase result;
   result.case_name = one.name();
   result.group = one.data_set->group;
@@ -51,22 +63,27 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
   result.others = static_cast<int>(others_W.size());
   std::optional<SeenObject> seen;
   try {
-    seen = see_object(one, X_WB, 0);
+    seen = see_object(one, X_WB, 0, chain.seeing);
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
   belief::AttemptMemoryOptions memory_options;
   memory_options.use = evidence;
   std::map<std::pair<PlannedOn, int>, Belief> first_look;
-  for (const PlannerSetting& setting : settings) {
+  for (PlannerSetting setting : settings) {
     const PlannedOn on = setting.planned_on;
+    if (chain.plan && on != PlannedOn::kTruth) {
+      setting.change = [&](grasp::PlannerOptions* options) {
+        fidelity::apply_plan_setting(*chain.plan, options);
+      };
+    }
     GraspTrial trial;
     try {
       if (on != PlannedOn::kTruth && !seen) {
         throw geometry::InputError(result.problem, "Look from elsewhere");
       }
-      fidelity::ShapeOptions shapes;
-      shapes.completion.alternatives = setting.alternatives;
+      fidelity::ShapeOptions shapes = chain.shape;
+      if (setting.alternatives > 0) shapes.completion.alternatives = setting.alternatives;
       const std::pair key(on, setting.alternatives);
       if (!first_look.contains(key)) {
         const double start = processor_time();
@@ -87,7 +104,8 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
               memory.add(attempt, *believed.shape, believed.support_W, believed.object.mesh_W,
                          believed.others.meshes_W);
             }
-            believed = believed_object(one, see_object(one, X_moved * X_WB, ++look), on, shapes);
+            believed = believed_object(one, see_object(one, X_moved * X_WB, ++look, chain.seeing),
+                                       on, shapes);
             if (believed.shape) {
               if (auto known = memory.recall(*believed.shape, believed.support_W)) {
                 believed.object = std::move(known->model);

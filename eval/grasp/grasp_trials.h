@@ -1,10 +1,15 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "eval/data_sets.h"
 #include "eval/grasp/platform_under_test.h"
 #include "prehend/belief/attempt_memory.h"
+#include "prehend/fidelity/chain_settings.h"
+#include "prehend/fidelity/chosen_chain.h"
+#include "prehend/fidelity/shape_settings.h"
 
 namespace prehend::eval {
 
@@ -13,6 +18,16 @@ namespace prehend::eval {
 /// case.
 std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& executed);
 
+/// How views are seen, shapes predicted and grasps planned on what is not the truth: the defaults,
+/// or as a chain's setting says.
+struct ChainOptions {
+  fidelity::SeeingOptions seeing;
+  fidelity::ShapeOptions shape;
+  std::optional<fidelity::Setting> plan;
+};
+/// Those of a chain that was chosen. @throws geometry::InputError for knobs that are unknown.
+ChainOptions chain_options(const fidelity::ChosenChain& chain);
+
 /// What attempts found out is used as `evidence` says when the object is seen again.
 ///
 /// Lets the case's object come to rest (resting_pose) among the other bodies of the case, renders
@@ -20,6 +35,7 @@ std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& ex
 /// result's problems; only a bug throws.
 GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
                          const std::vector<PlannerSetting>& settings,
-                         belief::EvidenceUse evidence = belief::EvidenceUse::kLooks);
+                         belief::EvidenceUse evidence = belief::EvidenceUse::kLooks,
+                         const ChainOptions& chain = {});
 
 }  // namespace prehend::eval

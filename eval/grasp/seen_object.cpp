@@ -38,20 +38,22 @@ planning::Neighbours neighbours_of(const SeenObject& seen, const Shapes& shapes,
 
 }  // namespace
 
-SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look) {
+SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look,
+                      const fidelity::SeeingOptions& options) {
   RenderedScene rendered = scene_of(one);
   rendered.bodies.front().X_WB = X_WB;
   const geometry::RigidTransform X_WC = rendered.scene.camera.X_WC();
-  return see_object(std::move(rendered), X_WC, look);
+  return see_object(std::move(rendered), X_WC, look, options);
 }
 
-SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_WC, int look) {
+SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_WC, int look,
+                      const fidelity::SeeingOptions& options) {
   simulation::RenderOptions render;
   render.threads = 1;
   const auto images = simulation::render_stereo(rendered.scene, rendered.bodies,
                                                 static_cast<std::uint32_t>(look), render);
   rendered.scene.camera.carried = X_WC;
-  return see_object(rendered, images, {});
+  return see_object(rendered, images, options);
 }
 
 SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,

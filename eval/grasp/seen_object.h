@@ -19,10 +19,12 @@ struct SeenObject {
 
 /// Renders the object at X_WB (the `look`th stereo pair of the case, from 0) and segments it.
 /// @throws geometry::InputError when it is not found on the table.
-SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look);
+SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look,
+                      const fidelity::SeeingOptions& options = {});
 
 /// The same of what is rendered, by a camera that is said to be at `X_WC`.
-SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_WC, int look);
+SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_WC, int look,
+                      const fidelity::SeeingOptions& options = {});
 
 /// The same of images of it, as `options` say.
 SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
