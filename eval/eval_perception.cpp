@@ -172,20 +172,22 @@ void add_recordings(Tables& tables) {
              segmentation_rows(eval::labelled_segmentation(data / "clouds" / "osd")));
 }
 
-// False when a case has no result.
-bool add_views(const std::vector<eval::Case>& cases, const Options& options, Tables& tables) {
+std::vector<eval::ViewSegmentation> seen_views(const std::vector<eval::Case>& cases,
+                                               const Options& options) {
   const eval::CaseRunOptions runs = options.runs();
   const perception::SegmentationOptions segmentation = options.segmentation();
   std::vector<std::string> names;
   for (const eval::Case& one : cases) names.push_back(one.result_name());
-  const auto views = eval::found_results(eval::run_cases(runs, names, eval::read_view, [&](int i) {
+  return eval::found_results(eval::run_cases(runs, names, eval::read_view, [&](int i) {
     return eval::segment_view(cases[i], segmentation);
   }));
+}
+
+void add_views(const std::vector<eval::ViewSegmentation>& views, Tables& tables) {
   tables.add("groups", "Rendered views of one object and what is beside it, by group",
              kSegmentationHeader, segmentation_rows(eval::by_group(views)));
   tables.add("objects", "The same, by object", kSegmentationHeader,
              segmentation_rows(eval::by_data_set(views)));
-  return views.size() == cases.size();
 }
 
 // Heaps of the household's and scanned things, half of them by either sensor.
@@ -216,6 +218,8 @@ int run(const Options& options) {
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
   cv::setNumThreads(1);
+  // First: other ranks end here, and do and write nothing of the rest.
+  const std::vector<eval::ViewSegmentation> views = seen_views(cases, options);
   Tables tables;
   tables.folder = options.choice.runs.out;
   if (options.choice.groups.empty() && options.choice.meshes.empty()) {
@@ -230,11 +234,11 @@ int run(const Options& options) {
     }
     add_clutter(sets, options, tables);
   }
-  const bool complete = add_views(cases, options, tables);
+  add_views(views, tables);
   tables.page.write(tables.folder / "index.html");
   if (!options.choice.json.empty()) eval::write_text(options.choice.json, tables.json.pretty());
   std::printf("\n%s\n", (tables.folder / "index.html").c_str());
-  return complete ? EXIT_SUCCESS : EXIT_FAILURE;
+  return views.size() == cases.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 }  // namespace
