@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 #include <pcl/PointIndices.h>
@@ -30,15 +31,16 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// A point's voxel. Voxels compare as their coordinates z, y, x do; points of one by their indices.
-struct VoxelEntry {
+// Points one after the other in the same voxel, as the neighbours of an image mostly are. Voxels
+// compare as their coordinates z, y, x do; runs of one by their points.
+struct VoxelRun {
   std::uint64_t high = 0, low = 0;  // coordinates of 42 bits each, z first
-  int index = 0;
+  int first = 0, last = 0;          // of the indices, without `last`
 
-  bool same_voxel(const VoxelEntry& other) const { return high == other.high && low == other.low; }
-  bool operator<(const VoxelEntry& other) const {
+  bool same_voxel(const VoxelRun& other) const { return high == other.high && low == other.low; }
+  bool operator<(const VoxelRun& other) const {
     if (high != other.high) return high < other.high;
-    return low != other.low ? low < other.low : index < other.index;
+    return low != other.low ? low < other.low : first < other.first;
   }
 };
 
@@ -48,18 +50,45 @@ std::uint64_t voxel_coordinate(double scaled) {
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(scaled)) + kVoxelRange);
 }
 
-std::vector<VoxelEntry> sorted_entries(const std::vector<Eigen::Vector3f>& points,
-                                       const std::vector<int>& indices, double leaf_size) {
-  std::vector<VoxelEntry> entries;
-  entries.reserve(indices.size());
-  for (const int i : indices) {
-    const Eigen::Vector3d scaled = points[i].cast<double>() / leaf_size;
+std::vector<VoxelRun> sorted_runs(const std::vector<Eigen::Vector3f>& points,
+                                  const std::vector<int>& ascending, double leaf_size) {
+  std::vector<VoxelRun> runs;
+  for (int k = 0; k < static_cast<int>(ascending.size()); ++k) {
+    const Eigen::Vector3d scaled = points[ascending[k]].cast<double>() / leaf_size;
     const std::uint64_t y = voxel_coordinate(scaled.y());
-    entries.push_back({voxel_coordinate(scaled.z()) << 21 | y >> 21,
-                       (y & 0x1fffff) << 42 | voxel_coordinate(scaled.x()), i});
+    const VoxelRun run{voxel_coordinate(scaled.z()) << 21 | y >> 21,
+                       (y & 0x1fffff) << 42 | voxel_coordinate(scaled.x()), k, k + 1};
+    if (!runs.empty() && runs.back().same_voxel(run)) {
+      runs.back().last = run.last;
+    } else {
+      runs.push_back(run);
+    }
   }
-  std::sort(entries.begin(), entries.end());
-  return entries;
+  std::sort(runs.begin(), runs.end());
+  return runs;
+}
+
+// Calls `take` with the mean of each voxel and the runs of its points.
+template <class Take>
+void for_each_voxel(const std::vector<Eigen::Vector3f>& points, const std::vector<int>& ascending,
+                    double leaf_size, const Take& take) {
+  const std::vector<VoxelRun> runs = sorted_runs(points, ascending, leaf_size);
+  for (auto first = runs.begin(); first != runs.end();) {
+    auto last = first;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (; last != runs.end() && last->same_voxel(*first); ++last) {
+      for (int k = last->first; k < last->last; ++k) sum += points[ascending[k]].cast<double>();
+      count += last->last - last->first;
+    }
+    take(Eigen::Vector3f((sum / static_cast<double>(count)).cast<float>()), first, last, count);
+    first = last;
+  }
+}
+
+std::vector<int> in_ascending_order(std::vector<int> indices) {
+  if (!std::is_sorted(indices.begin(), indices.end())) std::sort(indices.begin(), indices.end());
+  return indices;
 }
 
 }  // namespace
@@ -74,20 +103,30 @@ VoxelGrid make_voxel_grid(const std::vector<Eigen::Vector3f>& points,
     }
     return grid;
   }
-  const std::vector<VoxelEntry> entries = sorted_entries(points, indices, leaf_size);
-  for (std::size_t first = 0; first < entries.size();) {
-    std::size_t last = first;
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    std::vector<int> members;
-    for (; last < entries.size() && entries[last].same_voxel(entries[first]); ++last) {
-      sum += points[entries[last].index].cast<double>();
-      members.push_back(entries[last].index);
-    }
-    grid.centroids.push_back((sum / static_cast<double>(last - first)).cast<float>());
-    grid.members.push_back(std::move(members));
-    first = last;
-  }
+  const std::vector<int> ascending = in_ascending_order(indices);
+  for_each_voxel(points, ascending, leaf_size,
+                 [&](const Eigen::Vector3f& mean, auto first, auto last, int count) {
+                   grid.centroids.push_back(mean);
+                   std::vector<int>& members = grid.members.emplace_back();
+                   members.reserve(static_cast<std::size_t>(count));
+                   for (; first != last; ++first) {
+                     members.insert(members.end(), ascending.begin() + first->first,
+                                    ascending.begin() + first->last);
+                   }
+                 });
   return grid;
+}
+
+std::vector<Eigen::Vector3f> voxel_centroids(const std::vector<Eigen::Vector3f>& points,
+                                             const std::vector<int>& indices, double leaf_size) {
+  std::vector<Eigen::Vector3f> centroids;
+  if (leaf_size <= 0) {
+    for (const int i : indices) centroids.push_back(points[i]);
+    return centroids;
+  }
+  for_each_voxel(points, in_ascending_order(indices), leaf_size,
+                 [&](const Eigen::Vector3f& mean, auto, auto, int) { centroids.push_back(mean); });
+  return centroids;
 }
 
 void silence_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
@@ -154,6 +193,13 @@ PlaneOutline::PlaneOutline(const geometry::Plane& plane, const std::vector<Eigen
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Eigen::Vector2d edge = corners_[(i + 1) % corners_.size()] - corners_[i];
     sides_.push_back({corners_[i], edge, edge.norm()});
+    center_ += corners_[i] / static_cast<double>(corners_.size());
+  }
+  inner_ = std::numeric_limits<double>::infinity();
+  for (const Side& side : sides_) {
+    if (side.length > 0) {
+      inner_ = std::min(inner_, cross(side.edge, center_ - side.corner) / side.length);
+    }
   }
 }
 
@@ -163,6 +209,8 @@ Eigen::Vector2d PlaneOutline::flat(const Eigen::Vector3d& p) const {
 
 bool PlaneOutline::contains(const Eigen::Vector3d& p, double margin) const {
   const Eigen::Vector2d q = flat(p);
+  // By a hair less, as the sides' distances are rounded.
+  if (margin >= 0 && (q - center_).norm() < inner_ - 1e-9) return true;
   for (const Side& side : sides_) {
     if (cross(side.edge, q - side.corner) < -margin * side.length) return false;
   }

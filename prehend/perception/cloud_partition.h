@@ -20,6 +20,10 @@ struct VoxelGrid {
 VoxelGrid make_voxel_grid(const std::vector<Eigen::Vector3f>& points,
                           const std::vector<int>& indices, double leaf_size);
 
+/// Its centroids alone.
+std::vector<Eigen::Vector3f> voxel_centroids(const std::vector<Eigen::Vector3f>& points,
+                                             const std::vector<int>& indices, double leaf_size);
+
 /// PCL reports by printing; perception reports by exceptions. Called before PCL is.
 void silence_pcl();
 
@@ -53,6 +57,8 @@ class PlaneOutline {
   Eigen::Vector3d y_;
   std::vector<Eigen::Vector2d> corners_;  // counter-clockwise
   std::vector<Side> sides_;
+  Eigen::Vector2d center_ = Eigen::Vector2d::Zero();  // of the corners
+  double inner_ = 0;  // m: what is nearer to the centre is inside, and most points are
 };
 
 }  // namespace prehend::perception

@@ -64,7 +64,7 @@ std::vector<Eigen::Vector3f> voxels_of(const SegmentedScene& view, double leaf_s
   }
   std::vector<int> all(points.size());
   std::iota(all.begin(), all.end(), 0);
-  return make_voxel_grid(points, all, leaf_size).centroids;
+  return voxel_centroids(points, all, leaf_size);
 }
 
 // The motion of `moving` that brings it onto `fixed`, if enough of it has a partner there.

@@ -101,8 +101,7 @@ double seen_area(const PointCloud& cloud_C, const geometry::PinholeCamera& camer
                  const std::vector<int>& members, const SegmentationOptions& options) {
   if (!cloud_C.organized()) {
     const double leaf = options.leaf_size > 0 ? options.leaf_size : 0.005;
-    return leaf * leaf *
-           static_cast<double>(make_voxel_grid(cloud_C.points, members, leaf).centroids.size());
+    return leaf * leaf * static_cast<double>(voxel_centroids(cloud_C.points, members, leaf).size());
   }
   double area = 0;
   for (const int i : members) {

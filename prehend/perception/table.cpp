@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -272,35 +274,45 @@ Table make_table(const Candidate& best, const geometry::PointCloud& cloud,
   return table;
 }
 
-// Every plane that may be a table, in the order in which RANSAC met them.
+// Every plane that may be a table, in the order in which RANSAC met them; `best_alone`: not those
+// that score no more than one before, as a plane's score is no more than the share of the voxels
+// that are left for it.
 std::vector<Candidate> find_candidates(const std::vector<Eigen::Vector3f>& voxels,
                                        const TableOptions& options,
-                                       const std::optional<Eigen::Vector3d>& up_C) {
+                                       const std::optional<Eigen::Vector3d>& up_C,
+                                       bool best_alone) {
   std::vector<int> remaining(voxels.size());
   for (std::size_t i = 0; i < remaining.size(); ++i) remaining[i] = static_cast<int>(i);
   std::vector<Candidate> candidates;
   const std::size_t fewest = std::max<std::size_t>(
       kMinVoxels,
       static_cast<std::size_t>(options.min_support * static_cast<double>(voxels.size())));
+  double best = 0;
+  const auto is_beaten = [&](double most) { return best_alone && most <= best; };
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(voxels.size());
+  };
   for (int k = 0; k < options.max_planes && remaining.size() >= fewest; ++k) {
+    if (is_beaten(share(remaining.size()))) break;
     const std::optional<Plane> plane = ransac_plane(voxels, remaining, options, up_C);
     if (!plane) break;
     if (auto candidate = refined(*plane, voxels, remaining, options)) {
-      const double support =
-          static_cast<double>(candidate->voxels.size()) / static_cast<double>(voxels.size());
+      const double support = share(candidate->voxels.size());
+      const double most = support * (up_C ? 1.0 : tilt_factor(candidate->plane));
       const bool upright =
           up_C ? candidate->plane.normal.dot(up_C->normalized()) >= std::cos(options.max_tilt)
                : tilt_factor(candidate->plane) > kLowestTiltFactor;
-      if (support >= options.min_support && upright &&
+      if (support >= options.min_support && upright && !is_beaten(most) &&
           stands_out(candidate->plane, voxels, options)) {
         std::vector<Eigen::Vector3f> members;
         for (const int i : candidate->voxels) members.push_back(voxels[i]);
         const PlaneOutline outline(candidate->plane, members);
         candidate->standing = standing_voxels(candidate->plane, outline, voxels, options);
         const double things = candidate->standing;
-        const double share = things / (things + kManyThings * static_cast<double>(members.size()));
-        candidate->score = support * (up_C ? 1.0 : tilt_factor(candidate->plane)) *
-                           (kBareTable + (1 - kBareTable) * share);
+        const double standing =
+            things / (things + kManyThings * static_cast<double>(members.size()));
+        candidate->score = most * (kBareTable + (1 - kBareTable) * standing);
+        best = std::max(best, candidate->score);
         candidates.push_back(std::move(*candidate));
       }
     }
@@ -314,10 +326,9 @@ std::vector<Candidate> find_candidates(const std::vector<Eigen::Vector3f>& voxel
   return candidates;
 }
 
-}  // namespace
-
-std::vector<Table> find_tables(const geometry::PointCloud& cloud_C, const TableOptions& options,
-                               const std::optional<Eigen::Vector3d>& up_C) {
+// `most` of them, at least one.
+std::vector<Table> best_tables(const geometry::PointCloud& cloud_C, const TableOptions& options,
+                               const std::optional<Eigen::Vector3d>& up_C, std::size_t most) {
   check_options(options);
   if (up_C && (!up_C->allFinite() || up_C->norm() < 1e-9)) {
     throw std::invalid_argument("find_table: up_C must be a direction");
@@ -329,14 +340,14 @@ std::vector<Table> find_tables(const geometry::PointCloud& cloud_C, const TableO
                          " m of the camera",
                      "Look at a table, or raise max_distance");
   }
-  VoxelGrid grid = make_voxel_grid(cloud_C.points, indices, options.leaf_size);
+  std::vector<Eigen::Vector3f> voxels = voxel_centroids(cloud_C.points, indices, options.leaf_size);
   // PCL draws with a fixed seed; the order of the points makes ours count.
   std::mt19937_64 random(options.seed);
-  for (std::size_t i = grid.centroids.size(); i > 1; --i) {
+  for (std::size_t i = voxels.size(); i > 1; --i) {
     const std::size_t j = random() % i;
-    std::swap(grid.centroids[i - 1], grid.centroids[j]);
+    std::swap(voxels[i - 1], voxels[j]);
   }
-  std::vector<Candidate> candidates = find_candidates(grid.centroids, options, up_C);
+  std::vector<Candidate> candidates = find_candidates(voxels, options, up_C, most == 1);
   if (candidates.empty()) {
     throw InputError("No table: none of the planes in the cloud of " +
                          std::to_string(indices.size()) +
@@ -345,16 +356,24 @@ std::vector<Table> find_tables(const geometry::PointCloud& cloud_C, const TableO
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  if (candidates.size() > most) candidates.resize(most);
   std::vector<Table> tables;
   for (const Candidate& candidate : candidates) {
-    tables.push_back(make_table(candidate, cloud_C, indices, grid.centroids, options));
+    tables.push_back(make_table(candidate, cloud_C, indices, voxels, options));
   }
   return tables;
 }
 
+}  // namespace
+
+std::vector<Table> find_tables(const geometry::PointCloud& cloud_C, const TableOptions& options,
+                               const std::optional<Eigen::Vector3d>& up_C) {
+  return best_tables(cloud_C, options, up_C, std::numeric_limits<std::size_t>::max());
+}
+
 Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& options,
                  const std::optional<Eigen::Vector3d>& up_C) {
-  return find_tables(cloud_C, options, up_C).front();
+  return std::move(best_tables(cloud_C, options, up_C, 1).front());
 }
 
 Table table_of_plane(const geometry::PointCloud& cloud_C, const geometry::Plane& plane_C,

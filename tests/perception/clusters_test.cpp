@@ -1,6 +1,10 @@
 // Organized components against PCL's Euclidean clusters, and splitting of what touches.
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <random>
 #include <set>
@@ -28,6 +32,81 @@ std::vector<int> finite_over(const geometry::PointCloud& cloud, const testing::S
     }
   }
   return indices;
+}
+
+// Each point put into a map by its voxel; the points come in runs, as those of an image do, and
+// also in any order.
+TEST(VoxelGrids, AreWhatAMapOfVoxelsGives) {
+  std::mt19937_64 random(5);
+  std::vector<Eigen::Vector3f> points;
+  std::vector<int> indices;
+  for (int i = 0; i < 3000; ++i) {
+    const float along = 0.0007F * static_cast<float>(i % 300),
+                across = -0.1F + 0.02F * static_cast<float>(i / 300);
+    points.emplace_back(along, across, 0.001F * static_cast<float>(random() % 20));
+    if (random() % 9 != 0) indices.push_back(i);
+  }
+  for (const bool is_shuffled : {false, true}) {
+    if (is_shuffled) std::shuffle(indices.begin(), indices.end(), random);
+    std::map<std::array<int, 3>, std::vector<int>> oracle;
+    for (const int i : indices) {
+      const Eigen::Vector3d at = (points[i].cast<double>() / 0.01).array().floor();
+      oracle[{static_cast<int>(at.z()), static_cast<int>(at.y()), static_cast<int>(at.x())}]
+          .push_back(i);
+    }
+    const VoxelGrid grid = make_voxel_grid(points, indices, 0.01);
+    ASSERT_EQ(grid.centroids.size(), oracle.size());
+    ASSERT_EQ(grid.members.size(), oracle.size());
+    std::size_t v = 0;
+    for (auto& [voxel, members] : oracle) {
+      std::sort(members.begin(), members.end());
+      EXPECT_EQ(grid.members[v], members);
+      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+      for (const int i : members) mean += points[i].cast<double>();
+      mean /= static_cast<double>(members.size());
+      EXPECT_TRUE(grid.centroids[v].isApprox(mean.cast<float>(), 1e-6F));
+      ++v;
+    }
+    EXPECT_EQ(voxel_centroids(points, indices, 0.01), grid.centroids);
+    EXPECT_EQ(voxel_centroids(points, indices, 0), make_voxel_grid(points, indices, 0).centroids);
+  }
+  EXPECT_TRUE(voxel_centroids(points, {}, 0.01).empty());
+}
+
+// Against the sides of the outline that it gives.
+TEST(PlaneOutlines, ContainWhatIsLeftOfAllOfTheirSides) {
+  std::mt19937_64 random(3);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() % 100000) / 100000;
+  };
+  const geometry::Plane plane{Eigen::Vector3d(0.2, -0.7, -0.5).normalized(), -0.6};
+  const Eigen::Vector3d x = plane.normal.unitOrthogonal(), y = plane.normal.cross(x);
+  const auto point = [&](double u, double v) {
+    return Eigen::Vector3d(plane.offset * plane.normal + u * x + v * y);
+  };
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 400; ++i) {
+    points.push_back(point(uniform(0.1, 0.9), uniform(-0.2, 0.1)).cast<float>());
+  }
+  const PlaneOutline outline(plane, points);
+  const std::vector<Eigen::Vector3d> corners = outline.vertices();
+  for (const double margin : {0.0, 0.03, -0.02}) {
+    int inside = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Eigen::Vector3d p =
+          point(uniform(0, 1), uniform(-0.3, 0.2)) + uniform(0, 1) * plane.normal;
+      double least = 1;  // m, to the left of a side
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const Eigen::Vector3d edge = corners[(k + 1) % corners.size()] - corners[k];
+        least = std::min(least, plane.normal.dot(edge.cross(p - corners[k])) / edge.norm());
+      }
+      if (std::abs(least + margin) < 1e-6) continue;
+      EXPECT_EQ(outline.contains(p, margin), least > -margin) << least << " " << margin;
+      inside += least > -margin;
+    }
+    EXPECT_GT(inside, 1000);
+    EXPECT_LT(inside, 3500);
+  }
 }
 
 TEST(OrganizedComponents, AgreeWithEuclideanClusters) {

@@ -115,6 +115,37 @@ TEST(FindTable, SameCloudSameSeedSameBits) {
   EXPECT_EQ(a.inliers, b.inliers);
 }
 
+// find_table() leaves out what cannot win.
+TEST(FindTable, IsTheFirstOfAllTables) {
+  const testing::Box floor{{-3, -3, -0.8}, {3, 3, -0.75}};
+  const std::vector<testing::Box> things{standing_box(0, 0.05, {0.12, 0.1, 0.12}),
+                                         standing_box(0.2, 0.05, {0.07, 0.07, 0.2})};
+  std::size_t several = 0;
+  for (const Eigen::Vector3d& eye :
+       {Eigen::Vector3d(0, -1.0, 0.8), Eigen::Vector3d(0.3, -0.9, 0.35),
+        Eigen::Vector3d(0.6, -0.5, 0.6)}) {
+    for (const bool has_wall : {false, true}) {
+      SyntheticView view;
+      view.noise = 0.001;
+      view.X_WC = geometry::look_at(eye, {0, 0.2, 0.1});
+      view.boxes = {table_top(0.7, 0.5), floor, things[0], things[1]};
+      if (has_wall) view.boxes.push_back(back_wall());
+      const geometry::PointCloud cloud = render(view);
+      const Eigen::Vector3d up_C = view.X_WC.linear().transpose() * Eigen::Vector3d::UnitZ();
+      for (const auto& up : {std::optional<Eigen::Vector3d>(), std::optional(up_C)}) {
+        const std::vector<Table> all = find_tables(cloud, {}, up);
+        const Table one = find_table(cloud, {}, up);
+        EXPECT_EQ(one.plane_C.normal, all.front().plane_C.normal);
+        EXPECT_EQ(one.plane_C.offset, all.front().plane_C.offset);
+        EXPECT_EQ(one.inliers, all.front().inliers);
+        EXPECT_EQ(one.object_points, all.front().object_points);
+        several += all.size() > 1;
+      }
+    }
+  }
+  EXPECT_GT(several, 6u);
+}
+
 TEST(FindTable, SaysWhyThereIsNone) {
   EXPECT_THROW(find_table({}), geometry::InputError);
   geometry::PointCloud cloud;
