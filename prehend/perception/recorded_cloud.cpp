@@ -13,6 +13,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/perception/binning.h"
 #include "prehend/perception/cloud_partition.h"
 #include "prehend/perception/masks.h"
 #include "prehend/perception/virtual_camera.h"
@@ -429,6 +430,21 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
     put_on_hypothetical_table(recorded, up_F.has_value());
     if (viewpoint.made_up) drop_hidden_points(recorded);
   }
+  return recorded;
+}
+
+RecordedCloud thinned(RecordedCloud recorded, int points) {
+  const int n = binning_to(recorded.cloud_C, points);
+  if (n == 1) return recorded;
+  if (!recorded.labels.empty()) {
+    std::vector<std::uint32_t> labels;
+    for (const int i : binned_points(recorded.cloud_C, n)) {
+      labels.push_back(i < 0 ? 0 : recorded.labels[static_cast<std::size_t>(i)]);
+    }
+    recorded.labels = std::move(labels);
+  }
+  recorded.cloud_C = binned(recorded.cloud_C, n);
+  recorded.camera = binned(recorded.camera, n);
   return recorded;
 }
 

@@ -78,6 +78,11 @@ struct RecordedCloud {
 RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
                                        const RecordedCloudOptions& options = {});
 
+/// Of a cloud that is an image about so many points, of n x n one (binning_to() and binned() of
+/// perception/binning.h), and the camera that sees those. A cloud that is no image or has fewer
+/// stays as it is; points <= 0: all.
+RecordedCloud thinned(RecordedCloud recorded, int points);
+
 /// The world in which objects are given.
 enum class RecordedWorld {
   kTable,  // made from the table, see segment_on_table

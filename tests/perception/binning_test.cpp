@@ -1,9 +1,11 @@
 // Pictures with fewer pixels against means and medians by hand, and their camera against the rays
 // of the pixels that it covers.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -50,6 +52,60 @@ TEST(Binned, DepthIsOneOfThoseThatWereSeen) {
   EXPECT_TRUE(std::isnan(small.at(1, 0)));
   depth.at(2, 1) = 1.5F;
   EXPECT_EQ(binned(depth, 2).at(1, 0), 1.0F);
+}
+
+// The point that the depth image would keep, with what belongs to it, where the camera sees it.
+TEST(Binned, CloudsKeepOneOfTheirPoints) {
+  const geometry::PinholeCamera camera{6, 4, 10, 10, 2.5, 1.5};
+  geometry::DepthImage depth(6, 4, kNoDepth);
+  geometry::PointCloud cloud_C;
+  cloud_C.width = 6;
+  cloud_C.height = 4;
+  for (int i = 0; i < 24; ++i) {
+    const int u = i % 6, v = i / 6;
+    depth.data[i] = i % 5 == 0 || u > 3 ? kNoDepth : 1.0F + 0.1F * static_cast<float>(i * 7 % 11);
+    cloud_C.points.push_back(camera.unproject(u, v, depth.data[i]).cast<float>());
+    cloud_C.colors.push_back({static_cast<std::uint8_t>(i), 0, 0});
+  }
+  const geometry::DepthImage small_depth = binned(depth, 2);
+  const geometry::PointCloud small = binned(cloud_C, 2);
+  const std::vector<int> chosen = binned_points(cloud_C, 2);
+  const geometry::PinholeCamera small_camera = binned(camera, 2);
+  ASSERT_TRUE(small.organized());
+  ASSERT_EQ(small.width, 3);
+  ASSERT_EQ(small.size(), chosen.size());
+  EXPECT_TRUE(small.normals.empty());
+  int known = 0;
+  for (std::size_t i = 0; i < small.size(); ++i) {
+    EXPECT_EQ(chosen[i] < 0, std::isnan(small_depth.data[i])) << i;
+    EXPECT_EQ(chosen[i] < 0, !geometry::is_finite(small.points[i])) << i;
+    if (chosen[i] < 0) continue;
+    ++known;
+    EXPECT_EQ(small.points[i].z(), small_depth.data[i]);
+    EXPECT_EQ(small.points[i], cloud_C.points[chosen[i]]);
+    EXPECT_EQ(small.colors[i][0], chosen[i]);
+    const Eigen::Vector2d pixel = small_camera.project(small.points[i].cast<double>());
+    EXPECT_NEAR(pixel.x(), static_cast<double>(i % 3), 0.5);
+    EXPECT_NEAR(pixel.y(), static_cast<double>(i / 3), 0.5);
+  }
+  EXPECT_EQ(known, 3);
+  EXPECT_EQ(binned(cloud_C, 1).points[1], cloud_C.points[1]);
+  EXPECT_EQ(binning_to(cloud_C, 0), 1);
+  EXPECT_EQ(binning_to(cloud_C, 30), 1);
+  EXPECT_EQ(binning_to(cloud_C, 6), 2);
+  EXPECT_EQ(binning_to(cloud_C, 1), 4) << "no more than a side has";
+  geometry::PointCloud large;
+  for (const auto& [width, height, n] : {std::tuple(1024, 768, 4), std::tuple(640, 480, 2),
+                                         std::tuple(320, 240, 1), std::tuple(1000000, 0, 1)}) {
+    large.points.resize(static_cast<std::size_t>(width) * std::max(1, height));
+    large.width = width;
+    large.height = height;
+    EXPECT_EQ(binning_to(large, 50000), n) << width;
+  }
+  EXPECT_THROW(binned(cloud_C, 5), geometry::InputError);
+  EXPECT_THROW(binned(cloud_C, 0), std::invalid_argument);
+  cloud_C.height = 0;
+  EXPECT_THROW(binned(cloud_C, 2), std::invalid_argument);
 }
 
 TEST(Binned, CameraSeesAPointInThePixelThatCoversItsOwn) {

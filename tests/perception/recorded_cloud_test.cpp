@@ -139,6 +139,28 @@ TEST(InterpretRecordedCloud, LabelsStayWithTheirPoints) {
   }
 }
 
+TEST(ThinnedRecordedCloud, ShowsTheSameScene) {
+  CloudFile file = file_of(render(scene_view()));
+  for (std::size_t i = 0; i < file.cloud.size(); ++i) {
+    file.labels.push_back(static_cast<std::uint32_t>(i));
+  }
+  file.has_labels = true;
+  const RecordedCloud recorded = interpret_recorded_cloud(file);
+  const RecordedCloud half = thinned(recorded, static_cast<int>(recorded.cloud_C.size() / 4));
+  EXPECT_EQ(half.cloud_C.width, recorded.cloud_C.width / 2);
+  EXPECT_NEAR(half.camera.fx, recorded.camera.fx / 2, 1e-9);
+  expect_scene(half);
+  ASSERT_EQ(half.labels.size(), half.cloud_C.size());
+  for (std::size_t k = 0; k < half.labels.size(); k += 100) {
+    if (!geometry::is_finite(half.cloud_C.points[k])) continue;
+    EXPECT_EQ(half.cloud_C.points[k], recorded.cloud_C.points[half.labels[k]]);
+  }
+  EXPECT_EQ(thinned(recorded, 0).cloud_C.size(), recorded.cloud_C.size());
+  file.cloud.height = file.cloud.width = 0;
+  const RecordedCloud no_image = interpret_recorded_cloud(file);
+  EXPECT_EQ(thinned(no_image, 1000).cloud_C.size(), no_image.cloud_C.size());
+}
+
 TEST(InterpretRecordedCloud, SingleObjectStandsOnAHypotheticalTable) {
   SyntheticView view;
   view.boxes = {standing_box(0, 0, {0.07, 0.06, 0.2})};
