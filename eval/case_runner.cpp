@@ -138,9 +138,26 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,
                                       const geometry::DepthImage& depth,
                                       const perception::SegmentationOptions& options) {
-  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
-  return perception::segment(perception::cloud_from_depth(depth, camera.left, images.left),
-                             camera.left, rendered.scene.camera.X_WC(), options);
+  fidelity::SeeingOptions seeing;
+  seeing.segmentation = options;
+  return seen_scene(
+      rendered, perception::cloud_from_depth(depth, rendered.scene.camera.camera.left, images.left),
+      seeing);
+}
+
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const geometry::PointCloud& cloud_C,
+                                      const fidelity::SeeingOptions& options) {
+  const int n = perception::binning_to(cloud_C, options.points);
+  return perception::segment(perception::binned(cloud_C, n),
+                             perception::binned(rendered.scene.camera.camera.left, n),
+                             rendered.scene.camera.X_WC(), options.segmentation, options.table);
+}
+
+geometry::PointCloud seen_cloud(const RenderedScene& rendered,
+                                const simulation::StereoImages& images) {
+  return perception::cloud_from_depth(seen_depth(rendered, images),
+                                      rendered.scene.camera.camera.left, images.left);
 }
 
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
@@ -151,7 +168,8 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
   const geometry::PointCloud cloud_C =
       perception::cloud_from_depth(depth_by(rendered, images, options), camera,
                                    perception::binned(images.left, options.binning));
-  return perception::segment(cloud_C, camera, rendered.scene.camera.X_WC(), options.segmentation);
+  return perception::segment(cloud_C, camera, rendered.scene.camera.X_WC(), options.segmentation,
+                             options.table);
 }
 
 void measure_solid(const geometry::TriangleMesh& mesh_W, const geometry::TriangleMesh& truth_W,

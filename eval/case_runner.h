@@ -33,6 +33,15 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const geometry::DepthImage& depth,
                                       const perception::SegmentationOptions& options = {});
 
+/// The same of a cloud in the frame of the left camera, as seen_cloud().
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const geometry::PointCloud& cloud_C,
+                                      const fidelity::SeeingOptions& options);
+
+/// What the scene's sensor measures, as a cloud with the left image's colours.
+geometry::PointCloud seen_cloud(const RenderedScene& rendered,
+                                const simulation::StereoImages& images);
+
 /// Both, as `options` say; masks and camera are binned by them.
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images,

@@ -49,6 +49,7 @@ struct Options {
   std::string tolerance;
   bool quick = false;
   std::string platform = "stage_pg70";
+  std::string from;  // empty: images
 };
 
 std::string processor() {
@@ -81,6 +82,12 @@ std::string error_text(const fidelity::Setting& setting, const fidelity::Front& 
 int choose(const Options& options,
            const std::function<void(const fidelity::Setting&)>& understand) {
   const fidelity::Front front = fidelity::read_front(options.front);
+  if (!options.from.empty() && !front.settings.empty() &&
+      !begins_with(front.settings.front(), fidelity::chain_input(options.from))) {
+    throw geometry::InputError(
+        "'" + options.front.string() + "' is no front of chains from " + options.from,
+        "Name one that is, or leave --from away");
+  }
   const double budget = options.budget.empty() ? 0 : text::parse_seconds(options.budget);
   const double tolerance = options.tolerance.empty() ? 0 : tolerance_of(options, front);
   const fidelity::Setting& chosen =
@@ -237,6 +244,7 @@ int sweep_touch(const Options& options) {
 
 int sweep_chain(const Options& options) {
   eval::ChainSweep sweep;
+  sweep.input = fidelity::chain_input(options.from.empty() ? "images" : options.from);
   sweep.platform = robot::platform_file(text::tree_file("config/robots"), options.platform);
   sweep.runs = options.runs;
   sweep.front = options.front;
@@ -264,16 +272,15 @@ constexpr Subject kSubjects[] = {
        fidelity::apply_plan_setting(setting, &planner);
      }},
     {"chain",
-     "from a stereo pair to ranked grasps with the arm's motions, and the lift; times are of one "
-     "processor, the error is a share of views, --tolerance of the meshes",
+     "from a stereo pair, or its cloud, to ranked grasps with the arm's motions, and the lift; "
+     "times are of one processor, the error is a share of views, --tolerance of the meshes",
      "300ms", "3mm", sweep_chain,
      [](const fidelity::Setting& setting) {
        fidelity::Front chain;
        chain.subject = "chain";
        fidelity::SeeingOptions seeing;
        grasp::PlannerOptions planner;
-       fidelity::apply_seeing_setting(stage_setting(chain, setting, fidelity::Stage::kSeeing),
-                                      &seeing);
+       fidelity::apply_first_stage(chain, setting, &seeing);
        (void)fidelity::shape_options(stage_setting(chain, setting, fidelity::Stage::kShape));
        fidelity::apply_plan_setting(stage_setting(chain, setting, fidelity::Stage::kPlan),
                                     &planner);
@@ -309,6 +316,11 @@ int main(int argc, char** argv) {
         std::string("choose the fastest within an error, e.g. ") + subject.example_tolerance);
     command->add_flag("--quick", options.quick, "few settings; leaves the front alone");
     if (subject.sweep != sweep_chain) continue;
+    command
+        ->add_option("--from", options.from,
+                     "images or cloud: what the chains begin with, and the front where none is "
+                     "named (chain_cloud.yaml). Default: images")
+        ->check(CLI::IsMember({"images", "cloud"}));
     command->add_option("--platform", options.platform, "name or file of config/robots")
         ->capture_default_str();
     eval::add_run_options(*command, options.runs);
@@ -318,7 +330,8 @@ int main(int argc, char** argv) {
     for (const Subject& subject : kSubjects) {
       if (!app.got_subcommand(subject.name)) continue;
       if (options.front.empty()) {
-        options.front = std::string("config/fidelity/") + subject.name + ".yaml";
+        options.front = std::string("config/fidelity/") + subject.name +
+                        (options.from == "cloud" ? "_cloud" : "") + ".yaml";
       }
       const bool choosing = !options.budget.empty() || !options.tolerance.empty();
       return choosing ? choose(options, subject.understand) : subject.sweep(options);

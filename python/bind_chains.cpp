@@ -17,7 +17,9 @@ Chain choose_chain(const std::filesystem::path& folder, const robot::HandModel& 
     throw geometry::InputError("A chain is chosen by a budget or a tolerance",
                                "Give budget= [s of processor] or tolerance= [m], above 0");
   }
-  return {fidelity::choose_chain(folder, fidelity::chain_front_name(hand.name), budget, tolerance),
+  return {fidelity::choose_chain(
+              folder, fidelity::chain_front_name(fidelity::ChainInput::kCloud, hand.name), budget,
+              tolerance),
           hand.name};
 }
 
@@ -40,7 +42,7 @@ void bind_chains(py::module_& m) {
           "What was chosen: value by name, as shape.thinning.")
       .def_property_readonly(
           "seconds", [](const Chain& chain) { return chain.chosen.setting.seconds; },
-          "s of processor, as it was measured, from a stereo pair.")
+          "s of processor, as it was measured, from a cloud.")
       .def_property_readonly(
           "not_lifted", [](const Chain& chain) { return chain.chosen.setting.error; },
           "0..1 of the views, not lifted at the first attempt, as it was measured.")

@@ -50,7 +50,8 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
       perception::read_recorded_cloud_options(scale, "", "", table);
   if (viewpoint) options.viewpoint = read_pose(*viewpoint, "viewpoint");
   options.up = up;
-  perception::SegmentationOptions segmentation;
+  fidelity::SeeingOptions seeing;
+  perception::SegmentationOptions& segmentation = seeing.segmentation;
   std::optional<double> widest_opening;
   if (hand != nullptr) widest_opening = grasp::widest_opening(*hand);
   perception::choose_splitting(split, widest_opening, &segmentation);
@@ -58,15 +59,15 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   segmentation.body_evidence = shape::log_odds_of_one_body;
   if (chain) {
     const fidelity::ChosenChain& chosen = chain->chosen;
-    fidelity::apply_seeing_setting(
-        fidelity::stage_setting(chosen.front, chosen.setting, fidelity::Stage::kSeeing),
-        &segmentation);
+    fidelity::apply_first_stage(chosen.front, chosen.setting, &seeing);
   }
   py::gil_scoped_release free;
   geometry::CloudFile file;
   file.cloud = cloud;
   const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(file, options);
-  return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes, chain};
+  return {perception::segment_recorded_cloud(thinned(recorded, seeing.points), segmentation,
+                                             seeing.table),
+          recorded.notes, chain};
 }
 
 std::vector<Completion> complete(const Scene& scene, int alternatives, bool other_methods) {

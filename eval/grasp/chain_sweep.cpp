@@ -39,13 +39,16 @@ std::string foretold_in_words(const Foretold& foretold) {
 
 void write_page(const ChainSweep& sweep, const std::vector<MeasuredChain>& measured,
                 const fidelity::Front& front, const std::string& foretold) {
-  report::LineChart chart{"From images to ranked grasps",
-                          "processor time [ms]",
-                          "not lifted at the first attempt [%]",
-                          {},
-                          {}};
+  const bool of_images = sweep.input == fidelity::ChainInput::kImages;
+  report::LineChart chart{
+      of_images ? "From images to ranked grasps" : "From a cloud to ranked grasps",
+      "processor time [ms]",
+      "not lifted at the first attempt [%]",
+      {},
+      {}};
   report::Series all{"chains", {}, {}, false}, best{"front", {}, {}, true};
-  std::string csv = "milliseconds,seeing_ms,shape_ms,plan_ms,lifted,views,meshes,mesh_mm,knobs\n";
+  std::string csv = std::string("milliseconds,") + fidelity::to_string(first_stage(sweep.input)) +
+                    "_ms,shape_ms,plan_ms,lifted,views,meshes,mesh_mm,knobs\n";
   for (const MeasuredChain& chain : measured) {
     const auto& others = chain.setting.other_errors;
     all.points.emplace_back(1e3 * chain.setting.seconds, 100 * chain.setting.error);
@@ -76,11 +79,14 @@ void write_page(const ChainSweep& sweep, const std::vector<MeasuredChain>& measu
 
 int sweep_chains(const ChainSweep& sweep) {
   const PlatformUnderTest platform(sweep.platform);
-  const ChainGrid grid = chain_grid(platform.hand(), sweep.quick);
+  const ChainGrid grid = chain_grid(sweep.input, platform.hand(), sweep.quick);
   const std::vector<DataSet> sets = data_sets_to_evaluate({});
   const std::vector<Case> cases = views_to_sweep(sets, sweep.quick);
   std::vector<std::string> names;
-  for (const Case& one : cases) names.push_back(platform.name() + "_" + one.result_name());
+  for (const Case& one : cases) {
+    names.push_back(
+        fmt::format("{}_{}_{}", platform.name(), to_string(sweep.input), one.result_name()));
+  }
   CaseRunOptions runs = sweep.runs;
   runs.setting = grid_in_words(grid);
   std::printf("%zu chains on each of %zu views\n", grid.size(), cases.size());
@@ -90,10 +96,11 @@ int sweep_chains(const ChainSweep& sweep) {
   if (views.size() != cases.size()) return EXIT_FAILURE;
   const std::vector<MeasuredChain> measured = measured_chains(grid, views);
   const fidelity::Front front =
-      chain_front(measured, platform.name(),
+      chain_front(sweep.input, measured, platform.name(),
                   fmt::format("{}, processor time, {} rendered views, {} chains", sweep.machine,
                               cases.size(), grid.size()));
-  const std::filesystem::path file = sweep.quick ? sweep.runs.out / "chain.yaml" : sweep.front;
+  const std::filesystem::path file =
+      sweep.quick ? sweep.runs.out / sweep.front.filename() : sweep.front;
   fidelity::write_front(file, front);
   const std::string foretold = foretold_in_words(foretell(grid, measured));
   write_page(sweep, measured, front, foretold);

@@ -4,11 +4,13 @@
 #include <string>
 
 #include "eval/case_runs.h"
+#include "prehend/fidelity/chain_settings.h"
 
 namespace prehend::eval {
 
 /// What is swept, and where results go.
 struct ChainSweep {
+  fidelity::ChainInput input = fidelity::ChainInput::kImages;
   std::filesystem::path platform;  // its file
   CaseRunOptions runs;             // out: folder of the views' results and of the page
   std::filesystem::path front;     // file

@@ -16,7 +16,7 @@ namespace {
 
 using fidelity::Stage;
 
-constexpr std::array kStages{Stage::kSeeing, Stage::kShape, Stage::kPlan};
+constexpr std::size_t kStages = 3;
 constexpr std::size_t kLeftOut = 4;  // each fourth chain is foretold
 constexpr double kShortest = 1e-6;   // s, that has a logarithm
 
@@ -24,8 +24,8 @@ bool is_left_out(const MeasuredChain& chain) {
   return (chain.levels[0] + chain.levels[1] + chain.levels[2]) % kLeftOut == 0;
 }
 
-double stage_time(const MeasuredChain& chain, std::size_t stage) {
-  return fidelity::stage_seconds(chain.setting, kStages[stage]);
+std::array<Stage, kStages> stages_of(fidelity::ChainInput input) {
+  return {fidelity::first_stage(input), Stage::kShape, Stage::kPlan};
 }
 
 using RowOf = std::function<Eigen::VectorXd(const MeasuredChain&)>;
@@ -90,9 +90,9 @@ std::function<double(const MeasuredChain&)> fitted(
 std::function<double(const MeasuredChain&)> foretold_time(
     const ChainGrid& grid, const std::vector<MeasuredChain>& measured) {
   std::vector<std::function<double(const MeasuredChain&)>> logarithms;
-  for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
+  for (const Stage stage : stages_of(grid.input)) {
     const auto logarithm = [stage](const MeasuredChain& chain) {
-      return std::log(std::max(kShortest, stage_time(chain, stage)));
+      return std::log(std::max(kShortest, fidelity::stage_seconds(chain.setting, stage)));
     };
     const auto by_one = fitted(single_effects(grid), measured, logarithm);
     const auto by_two = fitted(paired_effects(grid), measured, [&](const MeasuredChain& chain) {
@@ -136,15 +136,16 @@ std::vector<MeasuredChain> measured_chains(const ChainGrid& grid,
     chain.setting.seconds = seconds[0] + seconds[1] + seconds[2];
     chain.setting.error = static_cast<double>(chain.views - chain.lifted) / chain.views;
     chain.setting.other_errors = {{"mesh", chain.meshes > 0 ? mesh / chain.meshes : kUnknown}};
-    for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
-      chain.setting.other_errors.emplace_back(fidelity::to_string(kStages[stage]), seconds[stage]);
+    const auto stages = stages_of(grid.input);
+    for (std::size_t stage = 0; stage < kStages; ++stage) {
+      chain.setting.other_errors.emplace_back(fidelity::to_string(stages[stage]), seconds[stage]);
     }
   }
   return measured;
 }
 
-fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const std::string& platform,
-                            const std::string& machine) {
+fidelity::Front chain_front(fidelity::ChainInput input, const std::vector<MeasuredChain>& measured,
+                            const std::string& platform, const std::string& machine) {
   int most = 0;
   for (const MeasuredChain& chain : measured) most = std::max(most, chain.meshes);
   std::vector<fidelity::Setting> settings;
@@ -153,13 +154,16 @@ fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const st
   }
   fidelity::Front front;
   front.subject = "chain";
-  front.error_name =
-      "share of views that " + platform + " did not lift at the first attempt, of images";
+  const bool of_images = input == fidelity::ChainInput::kImages;
+  front.error_name = "share of views that " + platform + " did not lift at the first attempt, of " +
+                     (of_images ? "images" : "clouds");
   front.error_unit = "of views";
-  front.other_errors = {{"mesh", "mean distance of the true surface to the mesh [m]"},
-                        {"seeing", "of the time, from images to objects [s]"},
-                        {"shape", "of the time, from those to meshes [s]"},
-                        {"plan", "of the time, to ranked grasps with the arm's motions [s]"}};
+  front.other_errors = {
+      {"mesh", "mean distance of the true surface to the mesh [m]"},
+      of_images ? std::pair{"seeing", "of the time, from images to objects [s]"}
+                : std::pair{"segmentation", "of the time, from a cloud to objects [s]"},
+      {"shape", "of the time, from those to meshes [s]"},
+      {"plan", "of the time, to ranked grasps with the arm's motions and predicted touch [s]"}};
   front.machine = machine;
   std::stable_sort(settings.begin(), settings.end(),
                    [](const auto& a, const auto& b) { return a.seconds < b.seconds; });

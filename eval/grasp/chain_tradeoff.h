@@ -22,8 +22,8 @@ std::vector<MeasuredChain> measured_chains(const ChainGrid& grid,
 
 /// The front, of time, of what is not lifted and of the meshes' error, of the chains that gave a
 /// mesh of as many views as the best of them.
-fidelity::Front chain_front(const std::vector<MeasuredChain>& measured, const std::string& platform,
-                            const std::string& machine);
+fidelity::Front chain_front(fidelity::ChainInput input, const std::vector<MeasuredChain>& measured,
+                            const std::string& platform, const std::string& machine);
 
 /// How well chains are foretold that nobody measured: a quarter of them is left out, and said by
 /// the others. A stage's time is the product of what each setting makes of it and each two settings

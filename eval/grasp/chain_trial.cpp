@@ -32,15 +32,27 @@ Setting of_knobs(Knobs knobs) {
   return setting;
 }
 
+std::vector<Setting> segmentation_settings() {
+  const auto segmentation = [](const char* points, const char* clustering, const char* table_leaf) {
+    return of_knobs({{"points", points}, {"clustering", clustering}, {"table_leaf", table_leaf}});
+  };
+  return {segmentation("50000", "organized", "0.016"), segmentation("200000", "organized", "0.016"),
+          segmentation("all", "euclidean", "0.008")};
+}
+
 std::vector<Setting> seeing_settings() {
-  const auto seeing = [](const char* binning, const char* stereo, const char* clustering) {
+  const auto seeing = [](const char* binning, const char* stereo, const char* clustering,
+                         const char* table_leaf) {
     return of_knobs({{"binning", binning},
                      {"stereo", stereo},
                      {"search", "narrow"},
-                     {"clustering", clustering}});
+                     {"clustering", clustering},
+                     {"table_leaf", table_leaf}});
   };
-  return {seeing("4", "semi_global", "organized"), seeing("2", "block_matching", "organized"),
-          seeing("2", "semi_global", "organized"), seeing("1", "semi_global", "euclidean")};
+  return {seeing("4", "semi_global", "organized", "0.016"),
+          seeing("2", "block_matching", "organized", "0.016"),
+          seeing("2", "semi_global", "organized", "0.016"),
+          seeing("1", "semi_global", "euclidean", "0.008")};
 }
 
 std::vector<Setting> shape_settings() {
@@ -63,22 +75,27 @@ std::vector<Setting> shape_settings() {
           shape("0.02", "61", "41", "yes", "0", "64", "0.004", "2")};
 }
 
-// A parallel gripper has many candidates that cost little each, a hand few that are closed.
+// A parallel gripper has many candidates that cost little each, a hand few that are closed; what
+// its pads will feel is a simulation of its own.
 std::vector<Setting> plan_settings(const robot::HandModel& hand) {
   const auto plan = [](const char* rolls, const char* standoffs, const char* offsets,
-                       const char* samples) {
-    return of_knobs({{"generators", "circles"},
-                     {"rolls", rolls},
-                     {"standoffs", standoffs},
-                     {"offsets", offsets},
-                     {"samples", samples}});
+                       const char* samples, const char* motions, const char* step) {
+    Setting setting = of_knobs({{"plan.generators", "circles"},
+                                {"plan.rolls", rolls},
+                                {"plan.standoffs", standoffs},
+                                {"plan.offsets", offsets},
+                                {"plan.samples", samples},
+                                {"motion.grasps", motions}});
+    if (*step != '\0') setting.knobs.emplace_back("simulation.step", step);
+    return setting;
   };
   if (!hand.gripper) {
-    return {plan("3", "2", "1", "0"), plan("4", "2", "1", "4"), plan("6", "3", "1", "4"),
-            plan("6", "3", "1", "16")};
+    return {plan("3", "2", "1", "4", "1", "none"), plan("4", "2", "1", "4", "1", "none"),
+            plan("4", "2", "1", "4", "1", "0.01"), plan("6", "3", "1", "4", "1", "0.004"),
+            plan("6", "3", "1", "16", "3", "0.004")};
   }
-  return {plan("6", "3", "1", "0"), plan("12", "4", "1", "4"), plan("12", "6", "3", "4"),
-          plan("12", "6", "3", "16")};
+  return {plan("6", "3", "1", "0", "1", ""), plan("12", "4", "1", "4", "1", ""),
+          plan("12", "6", "3", "4", "3", ""), plan("12", "6", "3", "16", "3", "")};
 }
 
 // What a stage gives, and the processor time of it.
@@ -102,11 +119,11 @@ Timed<Result> timed(const std::function<Result()>& stage) {
 }
 
 ChainTrial planned_and_lifted(const PlatformUnderTest& platform, const Belief& belief,
-                              const TrueObject& truth, const Setting& plan) {
+                              const TrueObject& truth, const Setting& chain) {
   PlannerSetting planner;
-  planner.change = [&plan](grasp::PlannerOptions* options) {
-    fidelity::apply_plan_setting(plan, options);
-  };
+  fidelity::Front chains;
+  chains.subject = "chain";
+  planner.change = change_by(chains, chain);
   ChainTrial trial;
   try {
     const GraspTrial tried =
@@ -134,19 +151,24 @@ Setting ChainGrid::setting(std::size_t chain) const {
   const auto [s, h, p] = levels(chain);
   Setting whole;
   for (const auto& [stage, own] :
-       {std::pair(Stage::kSeeing, &seeing[s]), std::pair(Stage::kShape, &shape[h]),
+       {std::pair(fidelity::first_stage(input), &seeing[s]), std::pair(Stage::kShape, &shape[h]),
         std::pair(Stage::kPlan, &plan[p])}) {
     for (const auto& [knob, value] : own->knobs) {
-      whole.knobs.emplace_back(fmt::format("{}.{}", fidelity::to_string(stage), knob), value);
+      // Those of planning have the names of their stages already.
+      whole.knobs.emplace_back(
+          stage == Stage::kPlan ? knob : fmt::format("{}.{}", fidelity::to_string(stage), knob),
+          value);
     }
   }
   return whole;
 }
 
-ChainGrid chain_grid(const robot::HandModel& hand, bool quick) {
-  ChainGrid grid{seeing_settings(), shape_settings(), plan_settings(hand)};
+ChainGrid chain_grid(fidelity::ChainInput input, const robot::HandModel& hand, bool quick) {
+  ChainGrid grid{
+      input, input == fidelity::ChainInput::kImages ? seeing_settings() : segmentation_settings(),
+      shape_settings(), plan_settings(hand)};
   if (!quick) return grid;
-  for (std::vector<Setting>* stage : {&grid.seeing, &grid.shape, &grid.plan}) {
+  for (std::vector<Setting>* stage : {&grid.seeing, &grid.shape}) {
     *stage = {stage->front(), stage->back()};
   }
   return grid;
@@ -164,11 +186,20 @@ std::vector<ChainTrial> run_chains(const Case& one, const PlatformUnderTest& pla
   render.threads = 1;
   const auto images = simulation::render_stereo(rendered.scene, rendered.bodies, 0, render);
 
+  std::optional<geometry::PointCloud> cloud_C;
+  if (grid.input == fidelity::ChainInput::kCloud) cloud_C = seen_cloud(rendered, images);
   std::vector<ChainTrial> trials;
   for (const Setting& seeing : grid.seeing) {
     fidelity::SeeingOptions see;
-    fidelity::apply_seeing_setting(seeing, &see);
-    const auto seen = timed<SeenObject>([&] { return see_object(rendered, images, see); });
+    if (cloud_C) {
+      fidelity::apply_segmentation_setting(seeing, &see);
+    } else {
+      fidelity::apply_seeing_setting(seeing, &see);
+    }
+    const auto seen = timed<SeenObject>([&] {
+      return cloud_C ? see_object(rendered, images, *cloud_C, see)
+                     : see_object(rendered, images, see);
+    });
     for (const Setting& shape : grid.shape) {
       Timed<Belief> belief;
       ChainTrial shared;
@@ -185,9 +216,10 @@ std::vector<ChainTrial> run_chains(const Case& one, const PlatformUnderTest& pla
                      one.seed)
                 .mean;
       }
-      for (const Setting& plan : grid.plan) {
+      for (std::size_t plan = 0; plan < grid.plan.size(); ++plan) {
+        const Setting chain = grid.setting(trials.size());
         ChainTrial& trial = trials.emplace_back();
-        if (belief.result) trial = planned_and_lifted(platform, *belief.result, truth, plan);
+        if (belief.result) trial = planned_and_lifted(platform, *belief.result, truth, chain);
         trial.seconds[0] = shared.seconds[0];
         trial.seconds[1] = shared.seconds[1];
         trial.mesh_error = shared.mesh_error;

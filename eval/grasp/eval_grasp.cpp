@@ -19,6 +19,8 @@
 #include "eval/grasp/platform_under_test.h"
 #include "eval/text_files.h"
 #include "prehend/control/task.h"
+#include "prehend/fidelity/chosen_chain.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
 
@@ -45,6 +47,7 @@ struct Options {
   std::vector<std::string> platforms{"stage_pg70"};
   std::vector<std::string> planned_on = names_of_planned_on();
   double budget = 0, tolerance = 0;  // s, m; 0: the defaults
+  std::string from;                  // what the chain that these choose begins with
   bool open_loop = false;
   std::string evidence = kEvidence.back().first;
   std::string task = "pick_and_place";
@@ -72,14 +75,22 @@ int run(const Options& options) {
   const eval::ExecutionChoice choice{
       !options.open_loop,
       control::read_task(control::task_file(text::tree_file("config/tasks"), options.task))};
+  const bool is_chosen = options.budget > 0 || options.tolerance > 0;
+  if (!options.from.empty() && !is_chosen) {
+    throw geometry::InputError(
+        "--from is of what --budget or --tolerance choose, and neither is given",
+        "Give one of them, or leave --from away");
+  }
+  const std::string from = options.from.empty() ? "images" : options.from;
   for (const std::string& name : options.platforms) {
     const eval::PlatformUnderTest& platform =
         platforms.emplace_back(robot::platform_file(options.robots, name), choice);
     eval::ChainOptions& chain = chains.emplace_back();
-    if (!(options.budget > 0) && !(options.tolerance > 0)) continue;
+    if (!is_chosen) continue;
     const fidelity::ChosenChain chosen =
         fidelity::choose_chain(text::tree_file("config/fidelity"),
-                               fidelity::chain_front_name(platform.hand().name, platform.name()),
+                               fidelity::chain_front_name(fidelity::chain_input(from),
+                                                          platform.hand().name, platform.name()),
                                options.budget, options.tolerance);
     chain = eval::chain_options(chosen);
     const std::string setting =
@@ -147,13 +158,18 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI::Option* budget =
       app.add_option("--budget", options.budget,
-                     "s of processor from images to ranked grasps: how views are seen, shapes "
+                     "s of processor from images, or their cloud, to ranked grasps: how views are "
+                     "seen, shapes "
                      "predicted and grasps planned, by the front of measured chains (planning is "
                      "not cut off)")
           ->check(CLI::PositiveNumber);
   app.add_option("--tolerance", options.tolerance, "m, of the predicted mesh, likewise")
       ->check(CLI::PositiveNumber)
       ->excludes(budget);
+  app.add_option("--from", options.from,
+                 "images or cloud: what the chain begins with that --budget or --tolerance choose; "
+                 "a cloud is seen by the defaults before. Default: images")
+      ->check(CLI::IsMember({"images", "cloud"}));
   std::vector<std::string> uses;
   for (const auto& [name, use] : kEvidence) uses.push_back(name);
   app.add_option("--evidence", options.evidence,

@@ -11,7 +11,6 @@
 #include "eval/household_objects.h"
 #include "eval/processor_time.h"
 #include "eval/resting_pose.h"
-#include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
@@ -24,21 +23,19 @@ std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& ex
     settings.push_back({to_string(on), on, {}, {}, is_executed});
     // The truth is not wider than the object.
     if (on != PlannedOn::kTruth) continue;
-    settings.back().change = [](grasp::PlannerOptions* options) {
-      options->pads.width_tolerance = 0;
+    settings.back().change = [](planning::PlatformPlanOptions* options) {
+      options->grasps.pads.width_tolerance = 0;
     };
   }
   return settings;
 }
 
 ChainOptions chain_options(const fidelity::ChosenChain& chain) {
-  const auto of = [&](fidelity::Stage stage) {
-    return stage_setting(chain.front, chain.setting, stage);
-  };
   ChainOptions options;
-  fidelity::apply_seeing_setting(of(fidelity::Stage::kSeeing), &options.seeing);
-  options.shape = fidelity::shape_options(of(fidelity::Stage::kShape));
-  options.plan = of(fidelity::Stage::kPlan);
+  fidelity::apply_first_stage(chain.front, chain.setting, &options.seeing);
+  options.shape =
+      fidelity::shape_options(stage_setting(chain.front, chain.setting, fidelity::Stage::kShape));
+  options.plan = change_by(chain.front, chain.setting);
   return options;
 }
 
@@ -72,11 +69,7 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
   std::map<std::pair<PlannedOn, int>, Belief> first_look;
   for (PlannerSetting setting : settings) {
     const PlannedOn on = setting.planned_on;
-    if (chain.plan && on != PlannedOn::kTruth) {
-      setting.change = [&](grasp::PlannerOptions* options) {
-        fidelity::apply_plan_setting(*chain.plan, options);
-      };
-    }
+    if (chain.plan && on != PlannedOn::kTruth) setting.change = chain.plan;
     GraspTrial trial;
     try {
       if (on != PlannedOn::kTruth && !seen) {

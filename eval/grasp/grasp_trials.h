@@ -23,9 +23,10 @@ std::vector<PlannerSetting> compared_settings(const std::vector<std::string>& ex
 struct ChainOptions {
   fidelity::SeeingOptions seeing;
   fidelity::ShapeOptions shape;
-  std::optional<fidelity::Setting> plan;
+  PlanChange plan;
 };
-/// Those of a chain that was chosen. @throws geometry::InputError for knobs that are unknown.
+/// Those of a chain that was chosen; before one that begins with a cloud the defaults see it.
+/// @throws geometry::InputError for knobs that are unknown.
 ChainOptions chain_options(const fidelity::ChosenChain& chain);
 
 /// What attempts found out is used as `evidence` says when the object is seen again.

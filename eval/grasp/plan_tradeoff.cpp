@@ -75,8 +75,8 @@ std::vector<MeasuredPlan> measure_plan_tradeoff(
     measured.back().setting.seconds = 0;
     PlannerSetting& planner = planners.emplace_back();
     planner.name = fidelity::to_string(setting);
-    planner.change = [setting](grasp::PlannerOptions* options) {
-      fidelity::apply_plan_setting(setting, options);
+    planner.change = [setting](planning::PlatformPlanOptions* options) {
+      fidelity::apply_plan_setting(setting, &options->grasps);
     };
   }
   const PlatformUnderTest stage(text::tree_file("config/robots/stage_pg70.yaml"));

@@ -35,9 +35,9 @@ planning::PlatformPlan PlatformUnderTest::plan(const Belief& belief,
                                                const PlannerSetting& setting) const {
   const robot::Platform& platform = planner_.platform();
   planning::PlatformPlanOptions options(platform.hand);
-  if (setting.change) setting.change(&options.grasps);
-  options.grasps.threads = 1;
   options.touch.emplace().threads = 1;
+  if (setting.change) setting.change(&options);
+  options.grasps.threads = 1;
   return planner_.plan(belief.object, {}, belief.others, {}, platform.home(home_).arm, options);
 }
 

@@ -36,6 +36,17 @@ planning::Neighbours neighbours_of(const SeenObject& seen, const Shapes& shapes,
   return others;
 }
 
+SeenObject object_in(perception::SegmentedScene scene, const simulation::StereoImages& images) {
+  SeenObject seen{std::move(scene), 0};
+  const std::optional<std::size_t> object = object_of(seen.scene, images.labels);
+  if (!object) {
+    throw geometry::InputError("The object was not found on the table",
+                               "It is out of view or too small");
+  }
+  seen.index = *object;
+  return seen;
+}
+
 }  // namespace
 
 SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look,
@@ -58,14 +69,12 @@ SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_
 
 SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
                       const fidelity::SeeingOptions& options) {
-  SeenObject seen{seen_scene(rendered, images, options), 0};
-  const std::optional<std::size_t> object = object_of(seen.scene, images.labels);
-  if (!object) {
-    throw geometry::InputError("The object was not found on the table",
-                               "It is out of view or too small");
-  }
-  seen.index = *object;
-  return seen;
+  return object_in(seen_scene(rendered, images, options), images);
+}
+
+SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
+                      const geometry::PointCloud& cloud_C, const fidelity::SeeingOptions& options) {
+  return object_in(seen_scene(rendered, cloud_C, options), images);
 }
 
 Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planned_on,

@@ -30,6 +30,10 @@ SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_
 SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
                       const fidelity::SeeingOptions& options);
 
+/// The same of the cloud that the camera sees, see seen_cloud().
+SeenObject see_object(const RenderedScene& rendered, const simulation::StereoImages& images,
+                      const geometry::PointCloud& cloud_C, const fidelity::SeeingOptions& options);
+
 /// What that gives to plan on, a prediction by `options`. Of a case with other bodies, whatever
 /// else was seen is predicted, too, and is an obstacle.
 /// @pre not kTruth, which nobody sees

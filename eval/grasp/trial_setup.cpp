@@ -3,7 +3,10 @@
 #include <iterator>
 #include <utility>
 
+#include "prehend/fidelity/chain_settings.h"
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/planning/chain_motion.h"
 #include "prehend/surface/convex_pieces.h"
 
 namespace prehend::eval {
@@ -17,6 +20,14 @@ std::vector<geometry::TriangleMesh> pieces_of(const geometry::TriangleMesh& mesh
 }
 
 }  // namespace
+
+PlanChange change_by(const fidelity::Front& chains, const fidelity::Setting& setting) {
+  return [chains, setting](planning::PlatformPlanOptions* options) {
+    fidelity::apply_plan_setting(stage_setting(chains, setting, fidelity::Stage::kPlan),
+                                 &options->grasps);
+    planning::apply_motion_setting(chains, setting, options);
+  };
+}
 
 Belief belief_of(const geometry::TriangleMesh& mesh_W,
                  const std::vector<geometry::TriangleMesh>& others_W) {

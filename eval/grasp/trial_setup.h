@@ -7,8 +7,8 @@
 
 #include "eval/grasp/grasp_case.h"
 #include "prehend/belief/attempt.h"
+#include "prehend/fidelity/front.h"
 #include "prehend/geometry/rigid_transform.h"
-#include "prehend/grasp/planner.h"
 #include "prehend/planning/platform_plan.h"
 #include "prehend/shape/completed_shape.h"
 #include "prehend/surface/object_model.h"
@@ -16,12 +16,17 @@
 // What a trial of a platform starts from.
 namespace prehend::eval {
 
+/// What is changed of the platform's default options; empty: nothing.
+using PlanChange = std::function<void(planning::PlatformPlanOptions* options)>;
+
+/// What the setting of a front of chains chooses of it.
+PlanChange change_by(const fidelity::Front& chains, const fidelity::Setting& setting);
+
 /// A way to plan.
 struct PlannerSetting {
   std::string name;
   PlannedOn planned_on = PlannedOn::kPredicted;
-  /// What it changes of the hand's default options; empty: nothing.
-  std::function<void(grasp::PlannerOptions* options)> change;
+  PlanChange change;
   int alternatives = 0;     // shapes besides the predicted one on which grasps are tried
   bool is_executed = true;  // else it is only planned
 };

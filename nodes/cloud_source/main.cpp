@@ -43,26 +43,34 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
   return perception::read_recorded_cloud_options(scale, viewpoint, up, table);
 }
 
-// By the parameters, or by the front.
-perception::SegmentationOptions segmentation_options(
-    const nodes::SegmentationParameters& parameters, const nodes::StageFidelity& fidelity) {
-  perception::SegmentationOptions options = parameters.segmentation();
-  if (const auto& chosen = fidelity.chosen()) {
-    fidelity::apply_seeing_setting(chosen->setting, &options);
+// What the node was asked for.
+struct Asked {
+  const nodes::SegmentationParameters& parameters;
+  const nodes::StageFidelity& stage;
+  int points;
+
+  // By the parameters, or by the front.
+  fidelity::SeeingOptions seeing() const {
+    fidelity::SeeingOptions options;
+    options.points = points;
+    options.segmentation = parameters.segmentation();
+    options.table = parameters.table();
+    if (const auto& chosen = stage.chosen()) {
+      fidelity::apply_segmentation_setting(chosen->setting, &options);
+    }
+    return options;
   }
-  return options;
-}
+};
 
 // A cloud without table or objects is an answer: it is published and the node stays.
-msgs::ObjectHypotheses segment(const nodes::SegmentationParameters& parameters,
-                               const nodes::StageFidelity& fidelity,
-                               const perception::RecordedCloud& recorded,
+msgs::ObjectHypotheses segment(const Asked& asked, const perception::RecordedCloud& recorded,
                                perception::RecordedWorld world, msgs::ObjectHypotheses times,
                                nodes::StageClock& clock) {
   msgs::ObjectHypotheses message;
   try {
+    const fidelity::SeeingOptions seeing = asked.seeing();
     const perception::SegmentedScene scene = perception::segment_recorded_cloud(
-        recorded, segmentation_options(parameters, fidelity), parameters.table(), world);
+        thinned(recorded, seeing.points), seeing.segmentation, seeing.table, world);
     message = convert::to_message(scene);
     if (scene.objects.empty()) {
       message.set_problem(perception::why_no_objects(scene));
@@ -89,7 +97,15 @@ void run(graph::Node& node) {
                       "as several clouds of one scene need (view_merging)",
        .read_only = true});
   const nodes::SegmentationParameters parameters(node, true);
-  const nodes::StageFidelity fidelity(node, fidelity::Stage::kSeeing, {"clustering"});
+  const int points = node.declare_parameter<int>(
+      {.name = "points",
+       .default_value = 0,
+       .minimum = 0,
+       .description = "of a cloud that is an image: about so many are looked at, of each square of "
+                      "its pixels that of the median depth; 0: all",
+       .read_only = true});
+  const nodes::StageFidelity fidelity(node, fidelity::Stage::kSegmentation,
+                                      {"clustering", "points", "table.leaf_size"});
   const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
   const auto seen = node.advertise<msgs::PointCloud>("/camera/cloud", graph::QoS::latched());
   const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
@@ -119,7 +135,7 @@ void run(graph::Node& node) {
     const geometry::PointCloud& cloud_C = recorded.cloud_C;
     if (cloud_C.organized() && !cloud_C.colors.empty()) seen.publish(convert::to_message(cloud_C));
     message = segment(
-        parameters, fidelity, recorded,
+        {parameters, fidelity, points}, recorded,
         world == "file" ? perception::RecordedWorld::kFile : perception::RecordedWorld::kTable,
         std::move(times), clock);
     for (const std::string& note : recorded.notes) message.add_notes(note);

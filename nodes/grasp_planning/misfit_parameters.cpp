@@ -46,6 +46,10 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   if (front == nullptr) return;
   check(node, {"rolls", "standoffs", "robustness_samples"}, "beside a budget",
         "front and budget choose it");
+  if (front->subject == "chain") {
+    check(node, {"motions", "predict_touch"}, "beside a budget of the whole chain",
+          "front and budget choose it");
+  }
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {
     refuse("generators", "beside a budget", "front and budget choose them");
   }

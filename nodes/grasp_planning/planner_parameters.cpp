@@ -14,6 +14,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/knob_parameters.h"
 #include "prehend/grasp/generators/generator_registry.h"
+#include "prehend/planning/chain_motion.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
 
@@ -53,8 +54,9 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
        .description =
            "measured front from which a budget chooses generators, rolls, standoffs and robustness "
            "samples, which must not be given then: of plans of a parallel gripper, or of the whole "
-           "chain from images (config/fidelity/chain.yaml, chain_hand.yaml), whose budget counts "
-           "the stages before; empty: config/fidelity/plan.yaml of a parallel gripper, none of "
+           "chain from images (config/fidelity/chain.yaml, chain_hand.yaml) or from a cloud "
+           "(chain_cloud.yaml, chain_cloud_hand.yaml), whose budget counts the stages before; "
+           "empty: config/fidelity/plan.yaml of a parallel gripper, none of "
            "other hands",
        .read_only = true,
        .reads_file = true});
@@ -174,9 +176,11 @@ std::unique_ptr<PlatformPlanning> declare_platform(graph::Node& node) {
   if (front) {
     // A parameter that nothing keeps cuts planning off, a task does not begin.
     if (!asked.task_at.empty()) choose_asked(*front, asked);
-    node.log_info(
-        "chosen from {}: {}", node.parameter<std::string>("front"),
-        fidelity::apply_plan_front(*front, asked.budget, asked.tolerance, &options.grasps));
+    const fidelity::ChosenPlan chosen =
+        fidelity::apply_plan_front(*front, asked.budget, asked.tolerance, &options.grasps);
+    planning::apply_motion_setting(*front, chosen.setting, &options);
+    if (touch.chosen) options.touch = touch.options;  // it was asked for by itself
+    node.log_info("chosen from {}: {}", node.parameter<std::string>("front"), chosen.text);
   }
   return std::make_unique<PlatformPlanning>(std::move(platform), home, std::move(options),
                                             touch.chosen, std::move(task));

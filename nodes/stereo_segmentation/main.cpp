@@ -56,7 +56,7 @@ class StereoSegmentation {
     parameters_.emplace(node, false);
     fidelity_.emplace(node, fidelity::Stage::kSeeing,
                       std::vector<std::string>{"method", "eight_directions", "clustering",
-                                               "binning", "narrow_search"});
+                                               "binning", "narrow_search", "table.leaf_size"});
     const bool takes_depth = node.parameter<std::string>("input") == "depth";
     nodes::refuse_idle_stereo_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
@@ -174,7 +174,7 @@ class StereoSegmentation {
   // By the parameters' values now, or by the front.
   fidelity::SeeingOptions seeing() const {
     fidelity::SeeingOptions options{node_.parameter<int>("binning"), nodes::stereo_options(node_),
-                                    parameters_->segmentation()};
+                                    parameters_->segmentation(), parameters_->table()};
     if (const auto& chosen = fidelity_->chosen()) {
       fidelity::apply_seeing_setting(chosen->setting, &options);
     }
@@ -236,9 +236,10 @@ class StereoSegmentation {
       scene =
           perception::segment_on_dark_background(cloud_C, colors, camera.left, up_C, X_WC, dark);
     } else {
-      const perception::Table table = perception::find_table(cloud_C, parameters_->table(), up_C);
+      const fidelity::SeeingOptions asked = seeing();
+      const perception::Table table = perception::find_table(cloud_C, asked.table, up_C);
       clock.end_stage(times, "table");
-      perception::SegmentationOptions options = seeing().segmentation;
+      perception::SegmentationOptions options = asked.segmentation;
       if (is_matched) options.baseline = camera.baseline;
       scene = perception::segment_on_table(cloud_C, camera.left, table, X_WC, options);
     }

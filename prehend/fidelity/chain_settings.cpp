@@ -13,8 +13,10 @@ namespace prehend::fidelity {
 namespace {
 
 constexpr const char* kSeeingSubject = "seeing";
+constexpr const char* kSegmentationSubject = "segmentation";
 constexpr const char* kMesh = "mesh";  // m, of Setting::other_errors
-constexpr std::array kStages{Stage::kSeeing, Stage::kShape, Stage::kPlan};
+constexpr std::array kStages{Stage::kSeeing, Stage::kSegmentation, Stage::kShape,
+                             Stage::kPlan,   Stage::kMotion,       Stage::kSimulation};
 
 bool is_chain(const Front& front) { return front.subject == "chain"; }
 
@@ -32,6 +34,39 @@ double mesh_error(const Setting& setting) {
                                "Measure it again with eval_tradeoff chain, or give a budget");
   }
   return *error;
+}
+
+perception::Clustering clustering_of(const char* subject, const std::string& value) {
+  return knob_is(subject, "clustering", value, "organized", "euclidean")
+             ? perception::Clustering::kOrganized
+             : perception::Clustering::kEuclidean;
+}
+
+int image_points(const std::string& value) {
+  if (value == "all") return 0;
+  const int points = knob_number<int>(kSegmentationSubject, "points", value);
+  if (points < 1000) refuse_knob(kSegmentationSubject, "points", value);
+  return points;
+}
+
+double table_leaf(const char* subject, const std::string& value) {
+  const auto leaf = knob_number<double>(subject, "table_leaf", value);
+  if (!(leaf >= 0.002 && leaf <= 0.05)) refuse_knob(subject, "table_leaf", value);
+  return leaf;
+}
+
+// A chain from images says nothing of a cloud's segmentation, which a budget would then not bound.
+void refuse_other_input(const Setting& setting, Stage stage) {
+  for (const auto& [own, other] : {std::pair(ChainInput::kImages, ChainInput::kCloud),
+                                   std::pair(ChainInput::kCloud, ChainInput::kImages)}) {
+    if (stage != first_stage(own) || !begins_with(setting, other)) continue;
+    throw geometry::InputError(
+        fmt::format("The front is of chains that begin with {}, and what is given is {}",
+                    other == ChainInput::kImages ? "images" : "a recorded cloud",
+                    own == ChainInput::kImages ? "images" : "a recorded cloud"),
+        fmt::format("Name config/fidelity/chain{}.yaml, or the same for another hand",
+                    own == ChainInput::kImages ? "" : "_cloud"));
+  }
 }
 
 const Setting& within_mesh_tolerance(const Front& front, double tolerance) {
@@ -60,12 +95,33 @@ const char* to_string(Stage stage) {
   switch (stage) {
     case Stage::kSeeing:
       return kSeeingSubject;
+    case Stage::kSegmentation:
+      return kSegmentationSubject;
     case Stage::kShape:
       return "shape";
     case Stage::kPlan:
       return "plan";
+    case Stage::kMotion:
+      return "motion";
+    case Stage::kSimulation:
+      return "simulation";
   }
   return "";
+}
+
+const char* to_string(ChainInput input) {
+  return input == ChainInput::kImages ? "images" : "cloud";
+}
+
+ChainInput chain_input(const std::string& word) {
+  for (const ChainInput input : {ChainInput::kImages, ChainInput::kCloud}) {
+    if (word == to_string(input)) return input;
+  }
+  throw geometry::InputError("A chain does not begin with '" + word + "'", "Give images or cloud");
+}
+
+Stage first_stage(ChainInput input) {
+  return input == ChainInput::kImages ? Stage::kSeeing : Stage::kSegmentation;
 }
 
 void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
@@ -77,10 +133,7 @@ void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
           block ? perception::StereoMethod::kBlockMatching : perception::StereoMethod::kSemiGlobal;
       options->stereo.eight_directions = eight;
     } else if (knob == "clustering") {
-      options->segmentation.clustering =
-          knob_is(kSeeingSubject, knob, value, "organized", "euclidean")
-              ? perception::Clustering::kOrganized
-              : perception::Clustering::kEuclidean;
+      options->segmentation.clustering = clustering_of(kSeeingSubject, value);
     } else if (knob == "search") {
       options->stereo.narrow_search = knob_is(kSeeingSubject, knob, value, "narrow", "all");
     } else if (knob == "binning") {
@@ -90,17 +143,26 @@ void apply_seeing_setting(const Setting& setting, SeeingOptions* options) {
       double& least = options->segmentation.min_object_height;
       least =
           std::max(least, options->binning * perception::SegmentationOptions{}.min_object_height);
+    } else if (knob == "table_leaf") {
+      options->table.leaf_size = table_leaf(kSeeingSubject, value);
     } else {
       unknown_knob(kSeeingSubject, knob);
     }
   }
 }
 
-void apply_seeing_setting(const Setting& setting, perception::SegmentationOptions* options) {
-  SeeingOptions all;
-  all.segmentation.clustering = options->clustering;
-  apply_seeing_setting(setting, &all);
-  options->clustering = all.segmentation.clustering;
+void apply_segmentation_setting(const Setting& setting, SeeingOptions* options) {
+  for (const auto& [knob, value] : setting.knobs) {
+    if (knob == "clustering") {
+      options->segmentation.clustering = clustering_of(kSegmentationSubject, value);
+    } else if (knob == "points") {
+      options->points = image_points(value);
+    } else if (knob == "table_leaf") {
+      options->table.leaf_size = table_leaf(kSegmentationSubject, value);
+    } else {
+      unknown_knob(kSegmentationSubject, knob);
+    }
+  }
 }
 
 Setting stage_setting(const Front& front, const Setting& setting, Stage stage) {
@@ -110,6 +172,7 @@ Setting stage_setting(const Front& front, const Setting& setting, Stage stage) {
         fmt::format("The front of '{}' says nothing of '{}'", front.subject, to_string(stage)),
         fmt::format("Name one of '{}', or config/fidelity/chain.yaml", to_string(stage)));
   }
+  refuse_other_input(setting, stage);
   Setting own = setting;
   own.knobs.clear();
   for (const auto& [knob, value] : setting.knobs) {
@@ -122,6 +185,18 @@ Setting stage_setting(const Front& front, const Setting& setting, Stage stage) {
     if (of == to_string(stage)) own.knobs.emplace_back(knob.substr(dot + 1), value);
   }
   return own;
+}
+
+bool begins_with(const Setting& setting, ChainInput input) {
+  return other_error(setting, to_string(first_stage(input))) != nullptr;
+}
+
+void apply_first_stage(const Front& front, const Setting& setting, SeeingOptions* options) {
+  if (begins_with(setting, ChainInput::kCloud)) {
+    apply_segmentation_setting(stage_setting(front, setting, Stage::kSegmentation), options);
+  } else {
+    apply_seeing_setting(stage_setting(front, setting, Stage::kSeeing), options);
+  }
 }
 
 double stage_seconds(const Setting& setting, Stage stage) {
@@ -142,9 +217,10 @@ std::string measured_text(const Front& front, const Setting& setting) {
   }
   if (!is_chain(front)) return fmt::format("{}, {:.3g} {}", time, setting.error, front.error_unit);
   return fmt::format(
-      "{} of processor from images to grasps, {:.3g} % of the views not lifted at the first "
-      "attempt, meshes {:.2f} mm off",
-      time, 100 * setting.error, 1e3 * mesh_error(setting));
+      "{} of processor from {} to grasps, {:.3g} % of the views not lifted at the first attempt, "
+      "meshes {:.2f} mm off",
+      time, begins_with(setting, ChainInput::kCloud) ? "a cloud" : "images", 100 * setting.error,
+      1e3 * mesh_error(setting));
 }
 
 double tolerated_error(const Front& front, const Setting& setting) {

@@ -1,13 +1,14 @@
 #include "prehend/fidelity/chosen_chain.h"
 
-#include "prehend/fidelity/chain_settings.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::fidelity {
 
-const char* chain_front_name(const std::string& hand, const std::string& platform) {
+std::string chain_front_name(ChainInput input, const std::string& hand,
+                             const std::string& platform) {
   const bool is_measured = platform.empty() ? hand == "pg70" : platform == "stage_pg70";
-  return is_measured ? "chain.yaml" : "chain_hand.yaml";
+  return std::string("chain") + (input == ChainInput::kCloud ? "_cloud" : "") +
+         (is_measured ? "" : "_hand") + ".yaml";
 }
 
 ChosenChain choose_chain(const std::filesystem::path& folder, const std::string& front_name,

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "prehend/fidelity/chain_settings.h"
 #include "prehend/fidelity/front.h"
 
 namespace prehend::fidelity {
@@ -15,9 +16,10 @@ struct ChosenChain {
   double tolerance = 0;  // m, the same
 };
 
-/// The file of measured chains for a hand alone or, where it is not empty, for the platform: the
-/// PG70's on its stage, or the one for all others. As the launch files have it.
-const char* chain_front_name(const std::string& hand, const std::string& platform = "");
+/// The file of measured chains from that input for a hand alone or, where it is not empty, for the
+/// platform: the PG70's on its stage, or the one for all others. As the launch files have it.
+std::string chain_front_name(ChainInput input, const std::string& hand,
+                             const std::string& platform = "");
 
 /// Of that file in `folder` (config/fidelity), as choose_for_stage().
 /// @throws geometry::InputError as that, and for a file that is no front of chains.

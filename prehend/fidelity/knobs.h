@@ -8,17 +8,23 @@
 // Reading the values of knobs, for the settings of a stage.
 namespace prehend::fidelity {
 
+/// Where the knobs of a subject are: those of a chain's own stages with the chain's.
+inline std::string see_knobs(const std::string& subject) {
+  const bool is_stage = subject == "seeing" || subject == "segmentation" || subject == "motion";
+  return "See prehend/fidelity/" + (is_stage ? "chain" : subject) + "_settings.h";
+}
+
 /// @throws geometry::InputError: `knob` of a setting of `subject` cannot be `value`.
 [[noreturn]] inline void refuse_knob(const std::string& subject, const std::string& knob,
                                      const std::string& value) {
   throw geometry::InputError(
       "The knob '" + knob + "' of a " + subject + " setting cannot be '" + value + "'",
-      "See prehend/fidelity/" + subject + "_settings.h");
+      see_knobs(subject));
 }
 
 [[noreturn]] inline void unknown_knob(const std::string& subject, const std::string& knob) {
   throw geometry::InputError("'" + knob + "' is no knob of a " + subject + " setting",
-                             "See prehend/fidelity/" + subject + "_settings.h");
+                             see_knobs(subject));
 }
 
 template <typename Number>

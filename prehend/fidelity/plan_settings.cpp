@@ -70,8 +70,8 @@ void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options) 
   }
 }
 
-std::string apply_plan_front(const Front& front, double budget, double tolerance,
-                             grasp::PlannerOptions* options) {
+ChosenPlan apply_plan_front(const Front& front, double budget, double tolerance,
+                            grasp::PlannerOptions* options) {
   if (tolerance > 0 && front.subject == kPlanSubject) {
     throw geometry::InputError("A tolerance is of meshes, of which the front 'plan' says nothing",
                                "Give a budget, or the front of the chain");
@@ -92,7 +92,7 @@ std::string apply_plan_front(const Front& front, double budget, double tolerance
         front.subject == kPlanSubject ? 0 : chosen.seconds - stage_seconds(chosen, Stage::kPlan);
     options->budget = std::max(kLeastBudget, budget - before);
   }
-  return fmt::format("{} ({}{})", to_string(own), measured_text(front, chosen), note);
+  return {chosen, fmt::format("{} ({}{})", to_string(own), measured_text(front, chosen), note)};
 }
 
 }  // namespace prehend::fidelity

@@ -18,14 +18,18 @@ namespace prehend::fidelity {
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options);
 
+struct ChosenPlan {
+  Setting setting;   // of the front, with the knobs of all of its stages
+  std::string text;  // the plan's, and what was measured, in words
+};
+
 /// Applies the setting of the front, of plans or of the whole chain, with the fewest failures
 /// within `budget` [s], or, when none is, the fastest one; and sets the planner's budget, which
 /// ends planning in any case: of a chain what the stages before have left of it. With a `tolerance`
-/// [m] instead, of a chain's meshes, planning takes what it takes. Returns what was chosen, in
-/// words.
+/// [m] instead, of a chain's meshes, planning takes what it takes. Returns what was chosen.
 /// @throws geometry::InputError as apply_plan_setting, for both or another front, and for a
 /// tolerance that the front cannot keep; std::invalid_argument as within_budget.
-std::string apply_plan_front(const Front& front, double budget, double tolerance,
-                             grasp::PlannerOptions* options);
+ChosenPlan apply_plan_front(const Front& front, double budget, double tolerance,
+                            grasp::PlannerOptions* options);
 
 }  // namespace prehend::fidelity

@@ -114,7 +114,7 @@ def platform(name):
 def chain(hand, *, budget=0.0, tolerance=0.0):
     """A Chain for a Hand, or one of config/robots by its name: how segment, complete, model and
     plan_grasps work, chosen together from the chains that were measured (config/fidelity): the most
-    often lifted within a budget [s of processor, from a stereo pair], or the fastest within a
+    often lifted within a budget [s of processor, from a cloud], or the fastest within a
     tolerance [m, mean error of the mesh]. Raises InputError, with the nearest, where none keeps it."""
     if not isinstance(hand, Hand):
         hand = Hand.read(_robot_file(hand))

@@ -15,6 +15,7 @@
 namespace prehend::eval {
 namespace {
 
+using fidelity::ChainInput;
 using fidelity::Stage;
 
 ChainGrid small_grid(std::size_t seeing, std::size_t shape, std::size_t plan) {
@@ -26,7 +27,7 @@ ChainGrid small_grid(std::size_t seeing, std::size_t shape, std::size_t plan) {
     grid.shape.push_back({{{"spacing", std::to_string(i)}}, 0, 0});
   }
   for (std::size_t i = 0; i < plan; ++i) {
-    grid.plan.push_back({{{"rolls", std::to_string(i)}}, 0, 0});
+    grid.plan.push_back({{{"plan.rolls", std::to_string(i)}}, 0, 0});
   }
   return grid;
 }
@@ -38,6 +39,24 @@ TEST(ChainGrid, HasEachSettingOfAStageWithEachOfTheOthers) {
   EXPECT_EQ(to_string(grid.setting(1)), "seeing.stereo 0, shape.spacing 0, plan.rolls 1");
   EXPECT_EQ(to_string(grid.setting(23)), "seeing.stereo 1, shape.spacing 2, plan.rolls 3");
   EXPECT_EQ(grid.levels(13), (std::array<std::size_t, 3>{1, 0, 1}));
+}
+
+// Of which seeing is no part.
+TEST(ChainGrid, OfACloudBeginsWithItsSegmentation) {
+  ChainGrid grid = small_grid(0, 1, 1);
+  grid.input = ChainInput::kCloud;
+  grid.seeing = {{{{"clustering", "organized"}}, 0, 0}};
+  EXPECT_EQ(to_string(grid.setting(0)),
+            "segmentation.clustering organized, shape.spacing 0, plan.rolls 0");
+  const ChainTrial trial{{0.01, 0.05, 0.04}, 0.002, true, true};
+  const fidelity::Front front =
+      chain_front(grid.input, measured_chains(grid, {{trial}}), "stage_pg70", "a test");
+  ASSERT_EQ(front.settings.size(), 1u);
+  const fidelity::Setting& setting = front.settings[0];
+  EXPECT_EQ(fidelity::stage_seconds(setting, Stage::kSegmentation), 0.01);
+  EXPECT_THROW(fidelity::stage_seconds(setting, Stage::kSeeing), geometry::InputError);
+  EXPECT_EQ(fidelity::stage_setting(front, setting, Stage::kSegmentation).knobs,
+            grid.seeing[0].knobs);
 }
 
 // One view that every chain lifts, one that only the second of two does, of which the first has no
@@ -58,7 +77,7 @@ TEST(MeasuredChains, AreMeansOfTheViews) {
   EXPECT_NEAR(fidelity::stage_seconds(measured[1].setting, Stage::kShape), 0.3, 1e-12);
   EXPECT_NEAR(measured[1].setting.other_errors[0].second, 0.003, 1e-12);
   // The first is faster, but has no mesh of what the second has one of.
-  const fidelity::Front front = chain_front(measured, "stage_pg70", "a test");
+  const fidelity::Front front = chain_front(ChainInput::kImages, measured, "stage_pg70", "a test");
   ASSERT_EQ(front.settings.size(), 1u);
   EXPECT_EQ(front.settings[0].error, 0);
 }
@@ -71,7 +90,8 @@ TEST(ChainFront, KeepsBetterMeshesToo) {
   const ChainTrial slow{{0.1, 0.1, 0.3}, 0.003, true, true};
   const ChainTrial worst{{0.1, 0.1, 0.4}, 0.002, true, false};
   const fidelity::Front front =
-      chain_front(measured_chains(grid, {{fast, fine, slow, worst}}), "stage_pg70", "a test");
+      chain_front(ChainInput::kImages, measured_chains(grid, {{fast, fine, slow, worst}}),
+                  "stage_pg70", "a test");
   ASSERT_EQ(front.settings.size(), 2u);
   EXPECT_NEAR(front.settings[0].seconds, 0.3, 1e-12);
   EXPECT_NEAR(front.settings[1].other_errors[0].second, 0.002, 1e-12);
@@ -122,16 +142,18 @@ TEST(ChainTrials, AreReadAsTheyWereWritten) {
   EXPECT_THROW(read_chain_trials(text.substr(0, 20)), geometry::InputError);
 }
 
-// The chain that ships, on a can seen from one side: it is seen, meshed to some millimetres, and
+// The chain that ships, on a bottle seen from one side: it is seen, meshed to some millimetres, and
 // lifted.
-TEST(RunChains, LiftACan) {
+class RunChains : public ::testing::TestWithParam<ChainInput> {};
+
+TEST_P(RunChains, LiftABottle) {
   std::vector<EvaluationObject> objects;
   for (const EvaluationObject& object : household_objects()) {
     if (object.name == "bottle") objects.push_back(object);
   }
   const std::vector<DataSet> sets = make_data_sets("household", objects);
   const PlatformUnderTest stage(text::tree_file("config/robots/stage_pg70.yaml"));
-  ChainGrid grid = chain_grid(stage.hand(), false);
+  ChainGrid grid = chain_grid(GetParam(), stage.hand(), false);
   grid.seeing = {grid.seeing.back()};
   grid.shape = {grid.shape.back()};
   grid.plan = {grid.plan.back()};
@@ -141,7 +163,13 @@ TEST(RunChains, LiftACan) {
   EXPECT_TRUE(trials[0].planned);
   EXPECT_TRUE(trials[0].lifted);
   for (const double seconds : trials[0].seconds) EXPECT_GT(seconds, 0);
+  if (GetParam() == ChainInput::kImages) return;
+  EXPECT_LT(trials[0].seconds[0], 0.3) << "the pictures are not matched in it";
 }
+
+INSTANTIATE_TEST_SUITE_P(From, RunChains,
+                         ::testing::Values(ChainInput::kImages, ChainInput::kCloud),
+                         [](const auto& one) { return std::string(to_string(one.param)); });
 
 }  // namespace
 }  // namespace prehend::eval

@@ -202,13 +202,13 @@ TEST(PlanSettings, TheBudgetChoosesAndEndsPlanning) {
   front.subject = "plan";
   front.settings = {{{{"rolls", "6"}}, 0.1, 0.3}, {{{"rolls", "24"}}, 0.4, 0.1}};
   grasp::PlannerOptions options;
-  EXPECT_THAT(apply_plan_front(front, 0.5, 0, &options), HasSubstr("rolls 24"));
+  EXPECT_THAT(apply_plan_front(front, 0.5, 0, &options).text, HasSubstr("rolls 24"));
   EXPECT_EQ(options.candidates.circles.rolls, 24);
   EXPECT_EQ(options.budget, 0.5);
-  EXPECT_THAT(apply_plan_front(front, 0.2, 0, &options), HasSubstr("rolls 6"));
+  EXPECT_THAT(apply_plan_front(front, 0.2, 0, &options).text, HasSubstr("rolls 6"));
   EXPECT_EQ(options.candidates.circles.rolls, 6);
   options.candidates.circles.rolls = 1;
-  EXPECT_THAT(apply_plan_front(front, 0.05, 0, &options), HasSubstr("cut off"));
+  EXPECT_THAT(apply_plan_front(front, 0.05, 0, &options).text, HasSubstr("cut off"));
   EXPECT_EQ(options.candidates.circles.rolls, 6) << "the fastest there is";
   EXPECT_EQ(options.budget, 0.05);
   EXPECT_THROW(apply_plan_front(front, -1, 0, &options), std::invalid_argument);

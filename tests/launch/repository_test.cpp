@@ -131,16 +131,19 @@ TEST_F(TouchOfLaunchFiles, OneBudgetReachesAllStages) {
       {"launch/replay.yaml", "bag:=a.mcap"},
       {"launch/replay_cloud.yaml", "cloud:=a.pcd"},
       {"launch/replay_stereo.yaml", "left:=l.png", "right:=r.png", "calibration:=K.txt"},
-      {"launch/replay_views.yaml", "first:=a.pcd", "second:=b.pcd"}};
+      {"launch/replay_views.yaml", "first:=a.pcd", "second:=b.pcd"},
+      {"launch/replay_views.yaml", "platform:=kr5_sdh", "first:=a.pcd", "second:=b.pcd"}};
   for (std::vector<std::string> words : files) {
     const bool has_gripper = words.size() == 1 || words[1].rfind("platform", 0) != 0;
     const bool is_stage = has_gripper && words[0] != "launch/uji.yaml";
-    const std::string front = is_stage ? "/chain.yaml\n" : "/chain_hand.yaml\n";
+    const bool of_cloud =
+        words[0] == "launch/replay_cloud.yaml" || words[0] == "launch/replay_views.yaml";
+    const std::string front =
+        std::string("/chain") + (of_cloud ? "_cloud" : "") + (is_stage ? "" : "_hand") + ".yaml\n";
     for (const char* argument : {"budget", "tolerance"}) {
       std::vector<std::string> asked = words;
       asked.push_back(std::string(argument) + ":=0.75");
       const std::string graph = dry_run(asked);
-      const bool of_cloud = graph.find("- node: cloud_source") != std::string::npos;
       for (const char* node : {of_cloud ? "cloud_source" : "stereo_segmentation",
                                "shape_completion", "poisson_meshing", "grasp_planning"}) {
         EXPECT_THAT(of_node(graph, node),
@@ -152,7 +155,6 @@ TEST_F(TouchOfLaunchFiles, OneBudgetReachesAllStages) {
     std::vector<std::string> of_task = words;
     of_task.emplace_back("task:=work_cycle");
     const std::string graph = dry_run(of_task);
-    const bool of_cloud = graph.find("- node: cloud_source") != std::string::npos;
     for (const char* node : {of_cloud ? "cloud_source" : "stereo_segmentation", "shape_completion",
                              "poisson_meshing", "grasp_planning"}) {
       EXPECT_THAT(of_node(graph, node), AllOf(HasSubstr("task: work_cycle\n"), HasSubstr(front)))
@@ -163,6 +165,8 @@ TEST_F(TouchOfLaunchFiles, OneBudgetReachesAllStages) {
               HasSubstr("front: \"\"\n"));
   EXPECT_THAT(dry_run({"launch/prediction.yaml", "budget:=1", "plan_budget:=1"}, 1),
               HasSubstr("leave plan_budget away"));
+  EXPECT_THAT(dry_run({"launch/prediction.yaml", "input:=clod"}, 1),
+              HasSubstr("images or cloud, and not clod"));
 }
 
 // The paper's candidates were not measured in chains: the two are not had together.

@@ -105,7 +105,7 @@ class Chains(unittest.TestCase):
     def test_tolerance_sets_every_stage(self):
         chain = prehend.chain("pg70", tolerance=0.003)
         self.assertLessEqual(chain.mesh_error, 0.003)
-        self.assertEqual({name.split(".")[0] for name in chain.knobs}, {"seeing", "shape", "plan"})
+        self.assertEqual({name.split(".")[0] for name in chain.knobs}, {"segmentation", "shape", "plan", "motion"})
         self.assertIn(chain.knobs["shape.thinning"], repr(chain))
         scene = prehend.segment(self.cloud, chain=chain)
         self.assertEqual(scene.chain.knobs, chain.knobs)

@@ -292,8 +292,8 @@ TEST_F(Plan, ABudgetOrToleranceOfACloudChoosesAllStages) {
                   "WIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA ascii\n{1}",
                   count, box_seen));
   EXPECT_THAT(run({cloud, "--budget", "100"}),
-              AllOf(HasSubstr("chosen: seeing."), HasSubstr("by the budget: ")));
-  EXPECT_THAT(run({cloud, "--tolerance", "0.5"}), HasSubstr("chosen: seeing."));
+              AllOf(HasSubstr("chosen: segmentation."), HasSubstr("by the budget: ")));
+  EXPECT_THAT(run({cloud, "--tolerance", "0.5"}), HasSubstr("chosen: segmentation."));
   EXPECT_THAT(run({cloud}), Not(HasSubstr("chosen: ")));
   EXPECT_THAT(run({cloud, "--budget", "1e-6"}), HasSubstr("Allow as much as the fastest one"));
   EXPECT_EQ(exit_code_, 1);

@@ -59,11 +59,12 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                   "symmetry: grasps are tried on them too; default: 2")
       ->check(CLI::NonNegativeNumber);
   command
-      .add_option("--tolerance", choices.tolerance,
-                  "of a cloud: mean error of the mesh [m]; all stages as fast as that allows, by "
-                  "fidelity/chain.yaml in --config (chain_hand.yaml for other hands than the "
-                  "PG70). --budget [s of processor] chooses for a cloud from it, too: what lifts "
-                  "most within that from images to grasps")
+      .add_option(
+          "--tolerance", choices.tolerance,
+          "of a cloud: mean error of the mesh [m]; all stages as fast as that allows, by "
+          "fidelity/chain_cloud.yaml in --config (chain_cloud_hand.yaml for other hands than "
+          "the PG70). --budget [s of processor] chooses for a cloud from it, too: what "
+          "lifts most within that from the cloud to grasps")
       ->check(CLI::Range(1e-6, 1.0));
   CLI::Option* hand =
       command

@@ -20,9 +20,10 @@ std::optional<fidelity::ChosenChain> chosen_chain(const PlanChoices& choices) {
         std::string(chosen) + " is chosen for a cloud where --budget or --tolerance is given",
         "Leave one of them out");
   }
-  return fidelity::choose_chain(std::filesystem::path(choices.config) / "fidelity",
-                                fidelity::chain_front_name(choices.hand, choices.platform), seconds,
-                                choices.tolerance);
+  return fidelity::choose_chain(
+      std::filesystem::path(choices.config) / "fidelity",
+      fidelity::chain_front_name(fidelity::ChainInput::kCloud, choices.hand, choices.platform),
+      seconds, choices.tolerance);
 }
 
 report::DrawnFront drawn_front(const fidelity::ChosenChain& chain) {

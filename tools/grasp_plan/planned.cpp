@@ -77,11 +77,11 @@ grasp::PlannerOptions options_of(const PlanChoices& choices,
   refuse_misfits(given, "", "the hand " + planned->hand.name);
   if (chain) {
     planned->chosen =
-        fidelity::apply_plan_front(chain->front, options.budget, choices.tolerance, &options);
+        fidelity::apply_plan_front(chain->front, options.budget, choices.tolerance, &options).text;
   } else if (choices.generators.empty() && options.budget > 0 && planned->hand.gripper) {
     refuse_chosen(choices);
     const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
-    planned->chosen = fidelity::apply_plan_front(front, options.budget, 0, &options);
+    planned->chosen = fidelity::apply_plan_front(front, options.budget, 0, &options).text;
   }
   options.candidates.seed = options.uncertainty.seed = choices.seed;
   options.preshapes = choices.preshapes;

@@ -157,7 +157,8 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
       perception::read_recorded_cloud_options(choices.scale.value_or(1), choices.viewpoint,
                                               choices.up, choices.table));
   target.notes = recorded.notes;
-  perception::SegmentationOptions segmentation;
+  fidelity::SeeingOptions seeing;
+  perception::SegmentationOptions& segmentation = seeing.segmentation;
   if (!choices.split.empty()) {
     std::optional<double> opening;
     if (choices.split == "wide") opening = widest_opening(choices);
@@ -170,14 +171,13 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   if (target.chain) {
     const fidelity::Front& front = target.chain->front;
     const fidelity::Setting& setting = target.chain->setting;
-    fidelity::apply_seeing_setting(stage_setting(front, setting, fidelity::Stage::kSeeing),
-                                   &segmentation);
+    fidelity::apply_first_stage(front, setting, &seeing);
     shape_options = fidelity::shape_options(stage_setting(front, setting, fidelity::Stage::kShape));
     target.notes.push_back("chosen: " + to_string(setting) + " (" + measured_text(front, setting) +
                            ")");
   }
-  const perception::SegmentedScene scene =
-      perception::segment_recorded_cloud(recorded, segmentation);
+  const perception::SegmentedScene scene = perception::segment_recorded_cloud(
+      thinned(recorded, seeing.points), segmentation, seeing.table);
   target.times.emplace_back("segmentation", since(start));
   for (const std::string& dropped : scene.dropped) {
     target.notes.push_back("not an object: " + dropped);

@@ -30,24 +30,27 @@ using simulation::kNoBound;
 class CloudExplainer {
  public:
   explicit CloudExplainer(const CloudToExplain& cloud) : cloud_(cloud) {
-    segmentation_.body_evidence = shape::log_odds_of_one_body;
+    seeing_.segmentation.body_evidence = shape::log_odds_of_one_body;
     if (!cloud.split.empty()) {
       std::optional<double> widest_opening;
       if (!cloud.platform.empty()) {
         const auto file = robot::platform_file(text::tree_file("config/robots"), cloud.platform);
         widest_opening = grasp::widest_opening(robot::read_platform(file).hand);
       }
-      perception::choose_splitting(cloud.split, widest_opening, &segmentation_);
+      perception::choose_splitting(cloud.split, widest_opening, &seeing_.segmentation);
     }
     if (cloud.budget > 0 || cloud.tolerance > 0) choose_chain();
   }
 
   Explanation explain() {
-    const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(
+    perception::RecordedCloud whole = perception::interpret_recorded_cloud(
         geometry::read_cloud_file(cloud_.file),
         perception::read_recorded_cloud_options(cloud_.scale, cloud_.viewpoint, cloud_.up,
                                                 cloud_.table));
-    const SegmentedScene scene = perception::segment_recorded_cloud(recorded, segmentation_);
+    all_points_ = whole.cloud_C.size();
+    const perception::RecordedCloud recorded = thinned(std::move(whole), seeing_.points);
+    const SegmentedScene scene =
+        perception::segment_recorded_cloud(recorded, seeing_.segmentation, seeing_.table);
     tell_view(recorded, scene);
     tell_points_left_out(scene);
     tell_objects(scene);
@@ -58,9 +61,9 @@ class CloudExplainer {
   void choose_chain() {
     const fidelity::ChosenChain chain = fidelity::choose_chain(
         text::tree_file("config/fidelity"),
-        fidelity::chain_front_name(cloud_.hand, cloud_.platform), cloud_.budget, cloud_.tolerance);
-    fidelity::apply_seeing_setting(
-        stage_setting(chain.front, chain.setting, fidelity::Stage::kSeeing), &segmentation_);
+        fidelity::chain_front_name(fidelity::ChainInput::kCloud, cloud_.hand, cloud_.platform),
+        cloud_.budget, cloud_.tolerance);
+    fidelity::apply_first_stage(chain.front, chain.setting, &seeing_);
     shape_ =
         fidelity::shape_options(stage_setting(chain.front, chain.setting, fidelity::Stage::kShape));
     modelled("all stages",
@@ -79,6 +82,12 @@ class CloudExplainer {
                           : fmt::format("a plane, {:.2f} m below the camera",
                                         scene.table_W.signed_distance(p)));
     out_.remarks = recorded.notes;
+    if (cloud.size() < all_points_) {
+      left_out(
+          fmt::format("{} of {} points of the picture", all_points_ - cloud.size(), all_points_),
+          "points", kNoBound, "", "what is thinner than the pixels that are left",
+          "of each square of pixels the one of the median depth stays");
+    }
   }
 
   void tell_points_left_out(const SegmentedScene& scene) {
@@ -172,7 +181,8 @@ class CloudExplainer {
   }
 
   const CloudToExplain& cloud_;
-  perception::SegmentationOptions segmentation_;
+  fidelity::SeeingOptions seeing_;
+  std::size_t all_points_ = 0;  // of the file
   fidelity::ShapeOptions shape_;
   Explanation out_;
 };
