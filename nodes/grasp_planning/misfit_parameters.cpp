@@ -1,7 +1,9 @@
 #include "nodes/grasp_planning/misfit_parameters.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "prehend/grasp/planner_options.h"
@@ -21,6 +23,13 @@ void check(const graph::Node& node, const std::vector<std::string>& misfits,
   for (const std::string& misfit : misfits) {
     if (node.is_parameter_given(misfit)) refuse(misfit, with, why);
   }
+}
+
+bool has_knob(const fidelity::Front& front, const std::string& name) {
+  return std::any_of(front.settings.begin(), front.settings.end(), [&](const auto& setting) {
+    return std::any_of(setting.knobs.begin(), setting.knobs.end(),
+                       [&](const auto& knob) { return knob.first == name; });
+  });
 }
 
 }  // namespace
@@ -46,9 +55,10 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   if (front == nullptr) return;
   check(node, {"rolls", "standoffs", "robustness_samples"}, "beside a budget",
         "front and budget choose it");
-  if (front->subject == "chain") {
-    check(node, {"motions", "predict_touch"}, "beside a budget of the whole chain",
-          "front and budget choose it");
+  for (const auto& [parameter, knob] :
+       {std::pair("motions", "motion.grasps"), std::pair("predict_touch", "simulation.step")}) {
+    if (!has_knob(*front, knob)) continue;
+    check(node, {parameter}, "beside a budget of the whole chain", "front and budget choose it");
   }
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {
     refuse("generators", "beside a budget", "front and budget choose them");

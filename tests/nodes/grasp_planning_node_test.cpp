@@ -333,6 +333,8 @@ TEST_F(GraspPlanningNode, ATaskThatNoChainKeepsIsRefused) {
               AllOf(HasSubstr("mine.yaml:1: budget"), HasSubstr("Leave one of them out")));
   EXPECT_THAT(refusal("tolerance: 0.003", {chain, "rolls:=4"}),
               HasSubstr("'rolls' does not apply beside a budget"));
+  EXPECT_THAT(refusal("tolerance: 0.003", {chain, "motions:=2"}),
+              HasSubstr("'motions' does not apply beside a budget of the whole chain"));
   EXPECT_THAT(refusal("tolerance: 0.003", {}), HasSubstr("front is empty"));
 }
 
