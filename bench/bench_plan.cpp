@@ -16,6 +16,7 @@
 #include "prehend/motion/plan_path.h"
 #include "prehend/motion/planner_registry.h"
 #include "prehend/robot/inverse_kinematics.h"
+#include "prehend/robot/platform.h"
 #include "tests/motion/pick_scene.h"
 #include "tests/motion/shelves.h"
 #include "tests/robot/arms.h"
@@ -334,5 +335,31 @@ void BM_EightPositions(benchmark::State& state) {
                                            benchmark::Counter::kIsIterationInvariantRate};
 }
 BENCHMARK(BM_EightPositions)->ArgName("only_free")->Arg(0)->Arg(1);
+
+/// The Panda with nothing round it, against itself: without or with the pairs of balls that are
+/// proven to be kept apart.
+void BM_EightPositionsOfItself(benchmark::State& state) {
+  const robot::Platform platform = robot::read_platform("config/robots/panda.yaml");
+  const robot::KinematicChain chain = platform.arm_chain();
+  motion::RobotSpheres spheres = motion::make_robot_spheres(
+      platform.with_hand_at(platform.hand.all_positions(platform.hand.preshapes.front().open)),
+      platform.base, platform.flange, 0.04);
+  if (state.range(0) == 1) {
+    spheres.self_pairs.insert(spheres.self_pairs.end(), spheres.apart_pairs.begin(),
+                              spheres.apart_pairs.end());
+  }
+  state.counters["pairs"] = static_cast<double>(spheres.self_pairs.size());
+  const motion::RobotInWorld robot(chain, spheres, motion::CollisionWorld());
+  std::mt19937_64 random(4);
+  std::vector<std::array<robot::Positions, motion::kBatch>> batches(64);
+  for (auto& batch : batches) {
+    for (robot::Positions& q : batch) q = robot::random_positions(chain, random);
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(robot.not_free(batches[i++ % 64].data(), motion::kBatch));
+  }
+}
+BENCHMARK(BM_EightPositionsOfItself)->ArgName("all")->Arg(1)->Arg(0);
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "prehend/geometry/kept_by_mesh.h"
+#include "prehend/motion/kept_apart.h"
 #include "prehend/motion/link_places.h"
 #include "prehend/motion/solid_cover.h"
 
@@ -111,6 +112,9 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
       if (gap(a, b) > 0) result.self_pairs.emplace_back(static_cast<int>(a), static_cast<int>(b));
     }
   }
+  result.apart_pairs = kept_apart(chain, result.spheres, result.self_pairs);
+  const std::set apart(result.apart_pairs.begin(), result.apart_pairs.end());
+  std::erase_if(result.self_pairs, [&](const auto& pair) { return apart.contains(pair); });
   return result;
 }
 

@@ -25,9 +25,12 @@ using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 /// A robot's chain as balls that together hold all of its collision shapes.
 struct RobotSpheres {
   std::vector<RobotSphere> spheres;
-  /// Pairs of `spheres` that may touch each other and must not: those of links with at least one
-  /// other moving link between them that do not overlap in the middle of the limits.
+  /// Pairs of `spheres` that can touch each other and must not: those of links with at least one
+  /// other moving link between them that do not overlap in the middle of the limits, without
+  /// `apart_pairs`.
   std::vector<std::pair<int, int>> self_pairs;
+  /// Those that touch at no position within the limits, as kept_apart() has proven. Not tested.
+  std::vector<std::pair<int, int>> apart_pairs;
 
   /// Centres in the base frame [m] at `q`, in the order of `spheres`.
   void centers(const robot::KinematicChain& chain, const Eigen::Ref<const Eigen::VectorXd>& q,

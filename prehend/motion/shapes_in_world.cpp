@@ -6,6 +6,8 @@
 #include <stdexcept>
 
 #include "prehend/motion/collision_world.h"
+#include "prehend/motion/kept_apart.h"
+#include "prehend/motion/robot_spheres.h"
 
 namespace prehend::motion {
 namespace {
@@ -75,13 +77,20 @@ CheckedRobot::CheckedRobot(std::shared_ptr<const CollisionChecker> checker,
                        bound.center, bound.radius});
     X_BS.push_back(pose_of(shapes_.back(), X_BJ));
   }
+  const auto ball_round = [](const Shape& shape) {
+    return RobotSphere{shape.joint, shape.X_JS * shape.center_S, shape.radius};
+  };
   const int count = static_cast<int>(shapes_.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
-      const int apart =
-          shapes_[static_cast<std::size_t>(a)].joint - shapes_[static_cast<std::size_t>(b)].joint;
+      const Shape &one = shapes_[static_cast<std::size_t>(a)],
+                  &other = shapes_[static_cast<std::size_t>(b)];
       // Neighbours are made to touch.
-      if (std::abs(apart) >= 2 && !do_touch(*this, a, b, X_BS)) self_pairs_.emplace_back(a, b);
+      if (std::abs(one.joint - other.joint) < 2 || do_touch(*this, a, b, X_BS) ||
+          are_kept_apart(chain, ball_round(one), ball_round(other))) {
+        continue;
+      }
+      self_pairs_.emplace_back(a, b);
     }
   }
 }
