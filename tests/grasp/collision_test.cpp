@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/mesh_query.h"
 
 namespace prehend::grasp {
 namespace {
@@ -26,7 +27,7 @@ RigidTransform from_above(const Eigen::Vector3d& p) {
 }
 
 TEST(Collision, TableClearanceIsThatOfTheFingertips) {
-  const CollisionScene scene({}, geometry::Plane{}, {});
+  const CollisionScene scene(nullptr, geometry::Plane{}, {});
   const auto hand = swept_hand(kCollisionGripper, 0.069, 0.1);
   EXPECT_NEAR(scene.table_clearance(hand, from_above({0, 0, 0.1})), 0.1 - kCollisionGripper.tip_z(),
               1e-12);
@@ -42,12 +43,10 @@ TEST(Collision, OpenFingersStraddleWhatFitsBetweenThem) {
   const geometry::Plane table;
   const RigidTransform X_WG = from_above({0, 0, 0.05});
   // Margin 1.5 mm at each side: 66 mm is the limit.
-  EXPECT_EQ(
-      CollisionScene(box_at({0.05, 0.0658, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
-      HandCollision::kNone);
-  EXPECT_EQ(
-      CollisionScene(box_at({0.05, 0.0662, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
-      HandCollision::kObject);
+  const geometry::MeshQuery fits(box_at({0.05, 0.0658, 0.05}, {0, 0, 0.025})),
+      is_too_wide(box_at({0.05, 0.0662, 0.05}, {0, 0, 0.025}));
+  EXPECT_EQ(CollisionScene(&fits, table, {}).check(hand, X_WG), HandCollision::kNone);
+  EXPECT_EQ(CollisionScene(&is_too_wide, table, {}).check(hand, X_WG), HandCollision::kObject);
 }
 
 TEST(Collision, TheWayFromThePregraspIsSwept) {
@@ -56,7 +55,7 @@ TEST(Collision, TheWayFromThePregraspIsSwept) {
   // A board over the housing: only the way down from the pregrasp meets it.
   Obstacles obstacles;
   obstacles.meshes_W.push_back(box_at({0.3, 0.3, 0.01}, {0, 0, 0.3}));
-  const CollisionScene scene({}, geometry::Plane{}, obstacles);
+  const CollisionScene scene(nullptr, geometry::Plane{}, obstacles);
   EXPECT_EQ(scene.check(still, from_above({0, 0, 0.05})), HandCollision::kNone);
   EXPECT_EQ(scene.check(swept, from_above({0, 0, 0.05})), HandCollision::kObstacle);
 }
@@ -73,8 +72,8 @@ TEST(Collision, ObstacleCloudsAndMeshesAgree) {
   }
   const float nan = std::numeric_limits<float>::quiet_NaN();
   as_cloud.cloud_W.points.emplace_back(nan, nan, nan);
-  const CollisionScene mesh_scene({}, geometry::Plane{}, as_mesh);
-  const CollisionScene cloud_scene({}, geometry::Plane{}, as_cloud);
+  const CollisionScene mesh_scene(nullptr, geometry::Plane{}, as_mesh);
+  const CollisionScene cloud_scene(nullptr, geometry::Plane{}, as_cloud);
   for (double opening : {0.02, 0.04, 0.05, 0.065, 0.069}) {
     // Finger's back at opening/2 + 12 mm, margin 5 mm, obstacle's face at 50 mm.
     const bool expected = opening / 2 + 0.012 + 0.005 > 0.05;
@@ -93,9 +92,10 @@ TEST(Collision, AnObstacleIsMetWhereTheSameThingAsObjectIs) {
       geometry::make_sphere(0.03, 24),
       geometry::make_transform(Eigen::Quaterniond::Identity(), {0.2, 0.1, 0.15}));
   const geometry::Plane far_below{Eigen::Vector3d::UnitZ(), -2};
-  const CollisionScene as_object(ball, far_below, {}, options);
-  const CollisionScene as_obstacle({}, far_below, {{box_at({0.1, 0.1, 0.1}, {5, 5, 5}), ball}, {}},
-                                   options);
+  const geometry::MeshQuery ball_W(ball);
+  const CollisionScene as_object(&ball_W, far_below, {}, options);
+  const CollisionScene as_obstacle(nullptr, far_below,
+                                   {{box_at({0.1, 0.1, 0.1}, {5, 5, 5}), ball}, {}}, options);
   const auto hand = swept_hand(kCollisionGripper, 0.05, 0.1);
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -115,7 +115,8 @@ TEST(Collision, AnObstacleIsMetWhereTheSameThingAsObjectIs) {
 }
 
 TEST(Collision, SwallowedHandIsNoticed) {
-  const CollisionScene scene(box_at({10, 10, 10}, {0, 0, 5}), geometry::Plane{}, {});
+  const geometry::MeshQuery block(box_at({10, 10, 10}, {0, 0, 5}));
+  const CollisionScene scene(&block, geometry::Plane{}, {});
   EXPECT_EQ(scene.check(swept_hand(kCollisionGripper, 0.069, 0.1), from_above({0, 0, 4})),
             HandCollision::kObject);
 }
@@ -123,7 +124,7 @@ TEST(Collision, SwallowedHandIsNoticed) {
 TEST(Collision, RejectsBrokenMeshes) {
   TriangleMesh broken = geometry::make_box({1, 1, 1});
   broken.vertices[0].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(CollisionScene(broken, geometry::Plane{}, {}), geometry::InputError);
+  EXPECT_THROW(CollisionScene(nullptr, geometry::Plane{}, {{broken}, {}}), geometry::InputError);
 }
 
 }  // namespace

@@ -10,11 +10,7 @@
 #include <string>
 #include <utility>
 
-#include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/geometry/shape/box.h>
-#include <fcl/math/bv/OBB.h>
-#include <fcl/narrowphase/collision.h>
-
+#include "prehend/geometry/box_query.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/text/require.h"
 
@@ -22,45 +18,34 @@ namespace prehend::grasp {
 namespace {
 
 using geometry::RigidTransform;
+using geometry::SurfaceQuery;
 using geometry::TriangleMesh;
-// Boxes alone: the spheres swept over rectangles that FCL can add serve distances, and take longest
-// to make.
-using Hierarchy = fcl::BVHModel<fcl::OBBd>;
 
-// A triangle mesh as a solid obstacle.
-class SolidMesh {
+// A surface as an obstacle; a solid one where it is watertight.
+class SolidSurface {
  public:
-  explicit SolidMesh(const TriangleMesh& mesh)
-      : query_(mesh), watertight_(geometry::find_defects(mesh).watertight()) {
-    std::vector<fcl::Triangle> triangles;
-    triangles.reserve(mesh.triangles.size());
-    for (const auto& t : mesh.triangles) {
-      triangles.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
-                             static_cast<std::size_t>(t[2]));
-    }
-    hierarchy_ = std::make_shared<Hierarchy>();
-    hierarchy_->beginModel(static_cast<int>(triangles.size()),
-                           static_cast<int>(mesh.vertices.size()));
-    hierarchy_->addSubModel(mesh.vertices, triangles);
-    hierarchy_->endModel();
-  }
+  explicit SolidSurface(const SurfaceQuery& surface_W) : surface_W_(surface_W) {}
 
   bool meets(const HandBox& box, const RigidTransform& X_WG, double margin) const {
-    const Eigen::Vector3d size = 2 * (box.half_size.array() + margin).matrix();
     RigidTransform X_WB = X_WG;
     X_WB.translation() = X_WG * box.center_G;
-    // Geometries, no CollisionObject: that would go through all vertices of the mesh each time.
-    const fcl::Boxd solid_box(size);
-    fcl::CollisionResultd result;
-    fcl::collide(hierarchy_.get(), RigidTransform::Identity(), &solid_box, X_WB,
-                 fcl::CollisionRequestd(), result);
-    return result.isCollision() || (watertight_ && query_.contains(X_WB.translation()));
+    if (geometry::does_surface_meet_box(surface_W_, X_WB, box.half_size.array() + margin)) {
+      return true;
+    }
+    return surface_W_.contains(X_WB.translation()) && is_watertight();
   }
 
  private:
-  geometry::MeshQuery query_;
-  bool watertight_;
-  std::shared_ptr<Hierarchy> hierarchy_;
+  bool is_watertight() const {
+    std::call_once(looked_at_, [this] {
+      watertight_ = geometry::find_defects(surface_W_.mesh()).watertight();
+    });
+    return watertight_;
+  }
+
+  const SurfaceQuery& surface_W_;
+  mutable std::once_flag looked_at_;  // several threads ask
+  mutable bool watertight_ = false;
 };
 
 // A mesh that is made ready when a hand first comes near: neighbours out of reach never are.
@@ -76,7 +61,7 @@ class Neighbour {
     for (const auto& t : mesh.triangles) {
       is_sound = is_sound && t.minCoeff() >= 0 && t.maxCoeff() < vertices;
     }
-    if (!is_sound) SolidMesh{mesh};  // says at once what is wrong
+    if (!is_sound) geometry::MeshQuery{mesh};  // says at once what is wrong
   }
 
   bool meets(const HandBox& box, const RigidTransform& X_WG, double margin) const {
@@ -84,7 +69,7 @@ class Neighbour {
     const Eigen::Vector3d half_W =
         X_WG.linear().cwiseAbs() * (box.half_size.array() + margin).matrix();
     if (!box_W_.intersects({center_W - half_W, center_W + half_W})) return false;
-    std::call_once(made_, [this] { solid_.emplace(mesh_); });
+    std::call_once(made_, [this] { solid_.emplace(query_W_.emplace(mesh_)); });
     return solid_->meets(box, X_WG, margin);
   }
 
@@ -92,7 +77,8 @@ class Neighbour {
   TriangleMesh mesh_;
   Eigen::AlignedBox3d box_W_;
   mutable std::once_flag made_;  // several threads ask
-  mutable std::optional<SolidMesh> solid_;
+  mutable std::optional<geometry::MeshQuery> query_W_;
+  mutable std::optional<SolidSurface> solid_;
 };
 
 bool meets_any_point(const std::vector<Eigen::Vector3d>& points_W, const HandBox& box,
@@ -126,20 +112,20 @@ std::vector<HandBox> swept_hand(const robot::GripperModel& gripper, double openi
 }
 
 struct CollisionScene::Implementation {
-  std::optional<SolidMesh> object;
+  std::optional<SolidSurface> object;
   std::deque<Neighbour> obstacles;
   std::vector<Eigen::Vector3d> obstacle_points_W;
   geometry::Plane table;
   CollisionOptions options;
 };
 
-CollisionScene::CollisionScene(const TriangleMesh& object_W, const geometry::Plane& table,
+CollisionScene::CollisionScene(const SurfaceQuery* object_W, const geometry::Plane& table,
                                const Obstacles& obstacles, const CollisionOptions& options)
     : implementation_(std::make_unique<Implementation>()) {
   options.validate();
   implementation_->table = table;
   implementation_->options = options;
-  if (!object_W.empty()) implementation_->object.emplace(object_W);
+  if (object_W != nullptr) implementation_->object.emplace(*object_W);
   for (const auto& mesh_W : obstacles.meshes_W) {
     if (!mesh_W.empty()) implementation_->obstacles.emplace_back(mesh_W);
   }

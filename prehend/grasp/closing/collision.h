@@ -11,6 +11,12 @@
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/robot/gripper_model.h"
 
+namespace prehend::geometry {
+
+class SurfaceQuery;
+
+}  // namespace prehend::geometry
+
 namespace prehend::grasp {
 
 struct CollisionOptions {
@@ -41,14 +47,15 @@ struct Obstacles {
 
 enum class HandCollision { kNone, kTable, kObject, kObstacle };
 
-/// The world an open hand must not touch. Meshes are kept in FCL's bounding volume hierarchies
-/// (OBB and RSS); a mesh that would swallow a whole box is noticed too when it is watertight. Those
-/// of obstacles are made when a box first comes near them, so that those out of reach cost nothing.
+/// The world an open hand must not touch. A closed surface that would swallow a whole box is
+/// noticed too. Meshes of obstacles are made ready when a box first comes near them, so that those
+/// out of reach cost nothing.
 class CollisionScene {
  public:
-  /// Meshes without triangles are skipped.
-  /// @throws geometry::InputError for a mesh with NaN or indices out of range.
-  CollisionScene(const geometry::TriangleMesh& object_W, const geometry::Plane& table,
+  /// @param object_W kept as a reference; null: there is none. Obstacles without triangles are
+  ///     skipped
+  /// @throws geometry::InputError for an obstacle with NaN or indices out of range.
+  CollisionScene(const geometry::SurfaceQuery* object_W, const geometry::Plane& table,
                  const Obstacles& obstacles, const CollisionOptions& options = {});
   ~CollisionScene();
   CollisionScene(CollisionScene&&) noexcept;

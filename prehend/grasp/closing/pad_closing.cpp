@@ -50,7 +50,7 @@ struct PadClosing::Kept {
 PadClosing::PadClosing(const ClosingTask& task)
     : solid_(task.solid),
       query_W_(task.query_W),
-      scene_(task.solid.mesh_W, task.table, task.obstacles, task.options.collision),
+      scene_(&task.query_W, task.table, task.obstacles, task.options.collision),
       table_(task.table),
       hand_(*task.hand.hand),
       gripper_(*hand_.gripper),
