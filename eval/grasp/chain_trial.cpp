@@ -76,26 +76,39 @@ std::vector<Setting> shape_settings() {
 }
 
 // A parallel gripper has many candidates that cost little each, a hand few that are closed; what
-// its pads will feel is a simulation of its own.
+// its pads will feel is a simulation of its own. A short plan of few candidates comes first.
 std::vector<Setting> plan_settings(const robot::HandModel& hand) {
-  const auto plan = [](const char* rolls, const char* standoffs, const char* offsets,
-                       const char* samples, const char* motions, const char* step) {
-    Setting setting = of_knobs({{"plan.generators", "circles"},
-                                {"plan.rolls", rolls},
-                                {"plan.standoffs", standoffs},
-                                {"plan.offsets", offsets},
-                                {"plan.samples", samples},
-                                {"motion.grasps", motions}});
-    if (*step != '\0') setting.knobs.emplace_back("simulation.step", step);
-    return setting;
+  struct Plan {
+    const char *rolls, *standoffs, *offsets, *samples, *motions;
+    const char* step = nullptr;  // of a hand
+    const char *count = nullptr, *first_share = nullptr;
   };
-  if (!hand.gripper) {
-    return {plan("3", "2", "1", "4", "1", "none"), plan("4", "2", "1", "4", "1", "none"),
-            plan("4", "2", "1", "4", "1", "0.01"), plan("6", "3", "1", "4", "1", "0.004"),
-            plan("6", "3", "1", "16", "3", "0.004")};
+  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "4", "16"},
+                                  {"6", "3", "1", "0", "1"},
+                                  {"12", "4", "1", "4", "1"},
+                                  {"12", "6", "3", "4", "3"},
+                                  {"12", "6", "3", "16", "3"}};
+  const std::vector<Plan> of_fingers{{"3", "2", "1", "4", "1", "none", "4", "16"},
+                                     {"4", "2", "1", "4", "1", "none", "8", "8"},
+                                     {"4", "2", "1", "4", "1", "none"},
+                                     {"4", "2", "1", "4", "1", "0.01"},
+                                     {"6", "3", "1", "16", "3", "0.004"}};
+  std::vector<Setting> settings;
+  for (const Plan& plan : hand.gripper ? of_jaws : of_fingers) {
+    Setting setting = of_knobs({{"plan.generators", "circles"},
+                                {"plan.rolls", plan.rolls},
+                                {"plan.standoffs", plan.standoffs},
+                                {"plan.offsets", plan.offsets},
+                                {"plan.samples", plan.samples},
+                                {"motion.grasps", plan.motions}});
+    for (const auto& [knob, value] :
+         {std::pair("plan.count", plan.count), std::pair("plan.first_share", plan.first_share),
+          std::pair("simulation.step", plan.step)}) {
+      if (value != nullptr) setting.knobs.emplace_back(knob, value);
+    }
+    settings.push_back(std::move(setting));
   }
-  return {plan("6", "3", "1", "0", "1", ""), plan("12", "4", "1", "4", "1", ""),
-          plan("12", "6", "3", "4", "3", ""), plan("12", "6", "3", "16", "3", "")};
+  return settings;
 }
 
 // What a stage gives, and the processor time of it.

@@ -64,6 +64,8 @@ void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options) 
       options->uncertainty.samples = whole_number(knob, value, 0);
     } else if (knob == "count") {
       options->largest_count = whole_number(knob, value, 1);
+    } else if (knob == "first_share") {
+      options->first_share = whole_number(knob, value, 1);
     } else {
       unknown_knob(kPlanSubject, knob);
     }

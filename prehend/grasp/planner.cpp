@@ -349,16 +349,15 @@ std::vector<Listed> Planner::ranked(std::vector<Listed> listed) {
 // found of fewer candidates, the last one the same as without shares. `order` is of the first
 // candidate among all.
 std::vector<Listed> Planner::searched(const std::vector<Tried>& tried, std::size_t order) {
-  constexpr std::size_t kShares[] = {4, 2};
   std::vector<Listed> listed;
   std::size_t begin = 0;
   const auto try_until = [&](std::size_t end) {
     for (Listed& one : evaluated(tried, order, begin, end)) listed.push_back(std::move(one));
     begin = end;
   };
-  for (const std::size_t share : kShares) {
+  for (int share = options_.first_share; share > 1; share /= 2) {
     if (disturbances_.empty() || options_.enough_grasps == 0) break;
-    try_until(tried.size() / share);
+    try_until(tried.size() / static_cast<std::size_t>(share));
     if (static_cast<int>(listed.size()) < options_.largest_count) continue;
     const Ledger before = ledger_;
     std::vector<Listed> best = ranked(listed);

@@ -105,11 +105,12 @@ struct PlannerOptions {
   UncertaintyOptions uncertainty;
   int robust_count = 0;  // >= 0, of the best grasps, are assessed for robustness, the others count
                          // as if they never held; 0: all
-  /// Candidates are tried in shares that are spread over all of them: a quarter, a half, all. The
-  /// next share is tried only while fewer than `largest_count` grasps are listed, or fewer than
-  /// this many of them hold in kSure of their disturbed trials. >= 0; 0, or without such trials:
-  /// all are.
+  /// Candidates are tried in shares that are spread over all of them: one in `first_share`, then
+  /// twice as many, until it is all. The next share is tried only while fewer than `largest_count`
+  /// grasps are listed, or fewer than this many of them hold in kSure of their disturbed trials.
+  /// >= 0; 0, or without such trials: all are.
   int enough_grasps = 4;
+  int first_share = 4;  // > 0; 1: all
   static constexpr double kSure = 0.9;
   int cone_edges = 8;    // >= 3, of the linearised friction cones
   double density = 800;  // kg/m^3, > 0, assumed of the unknown object
@@ -168,6 +169,9 @@ struct PlannerOptions {
         Knob{"enough_grasps", self.enough_grasps, "", 0, 100000,
              "once a plan is full and so many of it hold in nine of ten of these trials, the other "
              "candidates are not tried; 0: all are"});
+    visit(Knob{"first_share", self.first_share, "", 1, 100000,
+               "one of so many candidates is tried before it is asked whether these are enough, "
+               "then twice as many and so on; 1: all"});
     visit(Knob{"robust_weight", self.robust_weight, "", 0, 1,
                "of the share of these trials in which a grasp holds, in its score"});
     visit(Knob{"guessed_weight", self.guessed_weight, "", 0, 1,

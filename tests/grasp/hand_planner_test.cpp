@@ -211,6 +211,14 @@ TEST(PlanHandGrasps, OnceEnoughAreSureTheOthersAreNotTried) {
     EXPECT_GE(2 * count(enough, Reason::kEnough), enough.candidates) << name;
     ASSERT_EQ(enough.grasps.size(), 3u) << name;
     EXPECT_GE(enough.grasps[1].robustness, PlannerOptions::kSure) << name;
+    options.first_share = 1;
+    options.enough_grasps = 2;
+    EXPECT_TRUE(equal(plan_grasps(object, kTable, {}, hand.ready, {}, options), all)) << name;
+    options.first_share = 16;
+    const GraspPlan few = plan_grasps(object, kTable, {}, hand.ready, {}, options);
+    EXPECT_GE(count(few, Reason::kEnough), count(enough, Reason::kEnough)) << name;
+    EXPECT_EQ(counted(few), all.candidates) << name;
+    options.enough_grasps = 0;
     options.largest_count = 10000;
     options.robust_count = 0;
     const GraspPlan whole = plan_grasps(object, kTable, {}, hand.ready, {}, options);
@@ -231,6 +239,7 @@ TEST(PlanHandGrasps, WhereTooFewAreSureAllAreTriedAsIfAtOnce) {
     PlannerOptions options = hand.model.gripper ? default_options(hand.model) : quick();
     options.uncertainty.position_deviation = 0.02;  // few hold in nine of ten of these
     options.enough_grasps = options.largest_count;
+    options.first_share = 9;
     const GraspPlan shares = plan_grasps(object, kTable, {}, hand.ready, {}, options);
     EXPECT_EQ(count(shares, Reason::kEnough), 0) << name;
     options.enough_grasps = 0;
