@@ -69,6 +69,11 @@ grasp::PlannerOptions dex_options(const DexHand& hand, const DexChoice& choice, 
   options.density = choice.protocol.mass / volume;
   options.pads.friction = choice.protocol.friction;
   if (!choice.robust) options.uncertainty.samples = 0;
+  if (!choice.generators.empty()) {
+    options.generators = choice.generators;
+    options.further_generators.clear();
+  }
+  if (choice.samples > 0) options.candidates.samples = choice.samples;
   return options;
 }
 

@@ -26,9 +26,11 @@ int distinct_grasps(const robot::HandModel& hand, const std::vector<grasp::Grasp
 /// What is done in a case.
 struct DexChoice {
   DexProtocol protocol;
-  std::uint64_t seed = 1;  // of the candidates and of the trials for robustness
-  int grasps = 6;          // >= 0, tried of each plan, best first
-  int threads = 1;         // > 0, of planning
+  std::uint64_t seed = 1;               // of the candidates and of the trials for robustness
+  int grasps = 6;                       // >= 0, tried of each plan, best first
+  int threads = 1;                      // > 0, of planning
+  std::vector<std::string> generators;  // of candidates; empty: the hand's own
+  int samples = 0;                      // of the surface, of generators; 0: as it ships
   /// Whether grasps are ranked by the planner's disturbed trials, too, as it ships.
   bool robust = true;
 };

@@ -19,6 +19,7 @@
 #include "eval/grasp/dexgrasp_report.h"
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/simulation/engines/registry.h"
 
@@ -83,10 +84,11 @@ std::string setting_of(const DexOptions& options) {
   const eval::DexChoice& choice = options.choice;
   return fmt::format(
       "engine {} {} seed {} grasps {} threads {} friction {} stiffness {} safety {} equal {} "
-      "robust {}",
+      "robust {} generators {} samples {}",
       choice.protocol.engine, choice.protocol.solver, choice.seed, choice.grasps, choice.threads,
       choice.protocol.friction, choice.protocol.stiffness, choice.protocol.safety,
-      choice.protocol.equal_efforts, choice.robust);
+      choice.protocol.equal_efforts, choice.robust, fmt::join(choice.generators, ","),
+      choice.samples);
 }
 
 // Refused before anything is planned.
@@ -104,6 +106,8 @@ void check_engine(const eval::DexProtocol& protocol) {
 
 int run(DexOptions options) {
   check_engine(options.choice.protocol);
+  const grasp::GeneratorRegistry known;
+  for (const std::string& name : options.choice.generators) known.create(name);
   std::deque<eval::DexHand> hands;
   for (const std::string& name : options.hands) {
     hands.emplace_back(robot::read_hand_model(robot::hand_file(options.robots, name)),
@@ -174,6 +178,14 @@ void add_dex_options(CLI::App& app, DexOptions& options) {
       "each other");
   app.add_flag("--rank-by-shape", options.rank_by_shape,
                "ranks grasps without the planner's trials of each in disturbed poses");
+  CLI::Option* generators =
+      app.add_option("--generators", options.choice.generators,
+                     "of candidates, as prehend plan has them; default: the hand's own")
+          ->delimiter(',');
+  app.add_option("--samples", options.choice.samples,
+                 "of the surface: antipodal points, medial balls, rays of each box side")
+      ->check(CLI::Range(1, 100000))
+      ->needs(generators);
   app.add_option("--seed", options.choice.seed, "of candidates and of disturbed poses")
       ->capture_default_str();
   app.add_option("--threads", options.choice.threads, "of planning, in each process")
