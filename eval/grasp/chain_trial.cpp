@@ -81,15 +81,15 @@ std::vector<Setting> plan_settings(const robot::HandModel& hand) {
   struct Plan {
     const char *rolls, *standoffs, *offsets, *samples, *motions;
     const char* step = nullptr;  // of a hand
-    const char *count = nullptr, *first_share = nullptr;
+    const char *count = nullptr, *enough = nullptr, *first_share = nullptr, *further = nullptr;
   };
-  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "4", "16"},
+  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "8", "1", "16", "none"},
                                   {"6", "3", "1", "0", "1"},
                                   {"12", "4", "1", "4", "1"},
                                   {"12", "6", "3", "4", "3"},
                                   {"12", "6", "3", "16", "3"}};
-  const std::vector<Plan> of_fingers{{"3", "2", "1", "4", "1", "none", "4", "16"},
-                                     {"4", "2", "1", "4", "1", "none", "8", "8"},
+  const std::vector<Plan> of_fingers{{"3", "2", "1", "4", "1", "none", "8", "1", "16", "none"},
+                                     {"4", "2", "1", "4", "1", "none", "16", "2", "8", "none"},
                                      {"4", "2", "1", "4", "1", "none"},
                                      {"4", "2", "1", "4", "1", "0.01"},
                                      {"6", "3", "1", "16", "3", "0.004"}};
@@ -103,7 +103,7 @@ std::vector<Setting> plan_settings(const robot::HandModel& hand) {
                                 {"motion.grasps", plan.motions}});
     for (const auto& [knob, value] :
          {std::pair("plan.count", plan.count), std::pair("plan.first_share", plan.first_share),
-          std::pair("simulation.step", plan.step)}) {
+          std::pair("plan.further", plan.further), std::pair("simulation.step", plan.step)}) {
       if (value != nullptr) setting.knobs.emplace_back(knob, value);
     }
     settings.push_back(std::move(setting));

@@ -1,11 +1,11 @@
 #include "nodes/grasp_planning/misfit_parameters.h"
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "prehend/fidelity/chosen_chain.h"
 #include "prehend/grasp/planner_options.h"
 #include "prehend/planning/decision.h"
 #include "prehend/planning/held_views.h"
@@ -23,13 +23,6 @@ void check(const graph::Node& node, const std::vector<std::string>& misfits,
   for (const std::string& misfit : misfits) {
     if (node.is_parameter_given(misfit)) refuse(misfit, with, why);
   }
-}
-
-bool has_knob(const fidelity::Front& front, const std::string& name) {
-  return std::any_of(front.settings.begin(), front.settings.end(), [&](const auto& setting) {
-    return std::any_of(setting.knobs.begin(), setting.knobs.end(),
-                       [&](const auto& knob) { return knob.first == name; });
-  });
 }
 
 }  // namespace
@@ -56,8 +49,10 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   check(node, {"rolls", "standoffs", "robustness_samples"}, "beside a budget",
         "front and budget choose it");
   for (const auto& [parameter, knob] :
-       {std::pair("motions", "motion.grasps"), std::pair("predict_touch", "simulation.step")}) {
-    if (!has_knob(*front, knob)) continue;
+       {std::pair("motions", "motion.grasps"), std::pair("predict_touch", "simulation.step"),
+        std::pair("largest_count", "plan.count"), std::pair("enough_grasps", "plan.enough"),
+        std::pair("first_share", "plan.first_share")}) {
+    if (!fidelity::has_knob(*front, knob)) continue;
     check(node, {parameter}, "beside a budget of the whole chain", "front and budget choose it");
   }
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {

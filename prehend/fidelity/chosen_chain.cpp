@@ -1,5 +1,7 @@
 #include "prehend/fidelity/chosen_chain.h"
 
+#include <algorithm>
+
 #include "prehend/geometry/errors.h"
 
 namespace prehend::fidelity {
@@ -22,6 +24,13 @@ ChosenChain choose_chain(const std::filesystem::path& folder, const std::string&
   }
   chosen.setting = choose_for_stage(chosen.front, budget, tolerance);
   return chosen;
+}
+
+bool has_knob(const Front& front, const std::string& name) {
+  return std::any_of(front.settings.begin(), front.settings.end(), [&](const Setting& setting) {
+    return std::any_of(setting.knobs.begin(), setting.knobs.end(),
+                       [&](const auto& knob) { return knob.first == name; });
+  });
 }
 
 }  // namespace prehend::fidelity

@@ -26,4 +26,7 @@ std::string chain_front_name(ChainInput input, const std::string& hand,
 ChosenChain choose_chain(const std::filesystem::path& folder, const std::string& front_name,
                          double budget, double tolerance);
 
+/// Whether a setting of the front chooses this knob.
+bool has_knob(const Front& front, const std::string& name);
+
 }  // namespace prehend::fidelity

@@ -24,13 +24,13 @@ int whole_number(const std::string& knob, const std::string& text, int least) {
   return value;
 }
 
-std::vector<std::string> generators_of(const std::string& text) {
+std::vector<std::string> generators_of(const std::string& knob, const std::string& text) {
   const grasp::GeneratorRegistry known;
   std::vector<std::string> names;
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t end = std::min(text.find('+', start), text.size());
     names.push_back(text.substr(start, end - start));
-    if (!known.has(names.back())) refuse_knob(kPlanSubject, "generators", text);
+    if (!known.has(names.back())) refuse_knob(kPlanSubject, knob, text);
     start = end + 1;
   }
   return names;
@@ -53,7 +53,10 @@ std::vector<double> offsets_of(const std::string& text) {
 void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options) {
   for (const auto& [knob, value] : setting.knobs) {
     if (knob == "generators") {
-      options->generators = generators_of(value);
+      options->generators = generators_of(knob, value);
+    } else if (knob == "further") {
+      options->further_generators.clear();
+      if (value != "none") options->further_generators = generators_of(knob, value);
     } else if (knob == "rolls") {
       options->candidates.circles.rolls = whole_number(knob, value, 1);
     } else if (knob == "standoffs") {
@@ -64,6 +67,8 @@ void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options) 
       options->uncertainty.samples = whole_number(knob, value, 0);
     } else if (knob == "count") {
       options->largest_count = whole_number(knob, value, 1);
+    } else if (knob == "enough") {
+      options->enough_grasps = whole_number(knob, value, 0);
     } else if (knob == "first_share") {
       options->first_share = whole_number(knob, value, 1);
     } else {

@@ -10,11 +10,13 @@ namespace prehend::fidelity {
 /// Sets the planner's options that a setting of the front "plan" chooses; all others stay as they
 /// are. Knobs (all optional; absent: as it is):
 ///   generators  names joined by +, as in circles+boxes
+///   further     generators tried as well where nothing is robust, or none
 ///   rolls       over half a turn, of circles
 ///   standoffs   depths of the fingertips, of circles
 ///   offsets     positions across the fingers 15 mm apart, an odd number, of circles
 ///   samples     disturbed poses and frictions in which each listed grasp is tried
 ///   count       grasps that are listed, so tried
+///   enough      of these that are sure to hold, after which no more candidates are tried; 0: all are
 ///   first_share one of so many candidates is tried before it is asked whether these are enough
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options);

@@ -175,7 +175,10 @@ TEST(PlanSettings, SetTheOptionsTheyName) {
                        {"standoffs", "4"},
                        {"offsets", "5"},
                        {"samples", "0"},
-                       {"count", "12"}},
+                       {"count", "12"},
+                       {"enough", "1"},
+                       {"first_share", "16"},
+                       {"further", "none"}},
                       0,
                       0},
                      &options);
@@ -186,12 +189,16 @@ TEST(PlanSettings, SetTheOptionsTheyName) {
               ::testing::ElementsAre(0, -0.015, 0.015, -0.03, 0.03));
   EXPECT_EQ(options.uncertainty.samples, 0);
   EXPECT_EQ(options.largest_count, 12);
+  EXPECT_EQ(options.enough_grasps, 1);
+  EXPECT_EQ(options.first_share, 16);
+  EXPECT_THAT(options.further_generators, ::testing::IsEmpty());
   EXPECT_EQ(options.density, 500) << "no knob names it";
   EXPECT_NO_THROW(options.validate());
   for (const auto& [knob, value] :
        {std::pair{"generators", "circles+squares"}, std::pair{"generators", ""},
         std::pair{"rolls", "0"}, std::pair{"standoffs", "2.5"}, std::pair{"offsets", "4"},
-        std::pair{"samples", "-1"}, std::pair{"count", "many"}, std::pair{"colour", "red"}}) {
+        std::pair{"samples", "-1"}, std::pair{"count", "many"}, std::pair{"enough", "-1"},
+        std::pair{"first_share", "0"}, std::pair{"further", "some"}, std::pair{"colour", "red"}}) {
     EXPECT_THROW(apply_plan_setting({{{knob, value}}, 0, 0}, &options), InputError)
         << knob << " " << value;
   }

@@ -335,6 +335,9 @@ TEST_F(GraspPlanningNode, ATaskThatNoChainKeepsIsRefused) {
               HasSubstr("'rolls' does not apply beside a budget"));
   EXPECT_THAT(refusal("tolerance: 0.003", {chain, "motions:=2"}),
               HasSubstr("'motions' does not apply beside a budget of the whole chain"));
+  EXPECT_THAT(
+      refusal("tolerance: 0.003", {"front:=config/fidelity/chain_cloud.yaml", "first_share:=2"}),
+      HasSubstr("'first_share' does not apply beside a budget of the whole chain"));
   EXPECT_THAT(refusal("tolerance: 0.003", {}), HasSubstr("front is empty"));
 }
 

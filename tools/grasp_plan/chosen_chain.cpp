@@ -1,11 +1,25 @@
 #include "tools/grasp_plan/chosen_chain.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include "prehend/fidelity/chain_settings.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::tools {
+namespace {
+
+[[noreturn]] void refuse(std::string option) {
+  std::replace(option.begin(), option.end(), '_', '-');
+  throw geometry::InputError(
+      option + " is chosen for a cloud where --budget or --tolerance is given",
+      "Leave one of them out");
+}
+
+}  // namespace
+
 std::optional<fidelity::ChosenChain> chosen_chain(const PlanChoices& choices) {
   const auto budget = choices.grasp_knobs.find("budget");
   const double seconds = budget == choices.grasp_knobs.end() ? 0 : budget->second;
@@ -15,15 +29,18 @@ std::optional<fidelity::ChosenChain> chosen_chain(const PlanChoices& choices) {
                        : choices.grasp_knobs.count("robustness_samples") > 0
                            ? "--robustness-samples"
                            : nullptr;
-  if (chosen != nullptr) {
-    throw geometry::InputError(
-        std::string(chosen) + " is chosen for a cloud where --budget or --tolerance is given",
-        "Leave one of them out");
-  }
-  return fidelity::choose_chain(
+  if (chosen != nullptr) refuse(chosen);
+  fidelity::ChosenChain chain = fidelity::choose_chain(
       std::filesystem::path(choices.config) / "fidelity",
       fidelity::chain_front_name(fidelity::ChainInput::kCloud, choices.hand, choices.platform),
       seconds, choices.tolerance);
+  for (const auto& [option, knob] :
+       {std::pair("largest_count", "plan.count"), std::pair("enough_grasps", "plan.enough"),
+        std::pair("first_share", "plan.first_share")}) {
+    if (choices.grasp_knobs.count(option) == 0 || !fidelity::has_knob(chain.front, knob)) continue;
+    refuse("--" + std::string(option));
+  }
+  return chain;
 }
 
 report::DrawnFront drawn_front(const fidelity::ChosenChain& chain) {
