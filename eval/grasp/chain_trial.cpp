@@ -83,7 +83,7 @@ std::vector<Setting> plan_settings(const robot::HandModel& hand) {
     const char* step = nullptr;  // of a hand
     const char *count = nullptr, *enough = nullptr, *first_share = nullptr, *further = nullptr;
   };
-  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "8", "1", "16", "none"},
+  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "8", "1", "16"},
                                   {"6", "3", "1", "0", "1"},
                                   {"12", "4", "1", "4", "1"},
                                   {"12", "6", "3", "4", "3"},

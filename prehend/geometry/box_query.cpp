@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include "prehend/geometry/mesh_query.h"
@@ -41,6 +42,9 @@ bool does_triangle_meet_box(const Vector3d& a, const Vector3d& b, const Vector3d
 
 bool does_surface_meet_box(const SurfaceQuery& surface_W, const RigidTransform& X_WB,
                            const Vector3d& half_size) {
+  if (!half_size.allFinite() || half_size.minCoeff() < 0) {
+    throw std::invalid_argument("does_surface_meet_box: half_size must be finite and >= 0");
+  }
   const Vector3d reach = X_WB.linear().cwiseAbs() * half_size;
   const Eigen::AlignedBox3d& all = surface_W.box();
   if (!all.intersects({X_WB.translation() - reach, X_WB.translation() + reach})) return false;

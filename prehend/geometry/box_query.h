@@ -19,7 +19,8 @@ bool does_triangle_meet_box(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 /// that meets no triangle does not: SurfaceQuery::contains() tells. The box is cut into cells of
 /// some centimetres, of which those near the surface look for triangles.
 /// @param X_WB of the box's middle, in the surface's frame
-/// @param half_size of the box's sides [m], >= 0
+/// @param half_size of the box's sides [m], finite and >= 0
+/// @throws std::invalid_argument for others
 bool does_surface_meet_box(const SurfaceQuery& surface_W, const RigidTransform& X_WB,
                            const Eigen::Vector3d& half_size);
 

@@ -2,7 +2,9 @@
 
 #include "prehend/geometry/box_query.h"
 
+#include <limits>
 #include <random>
+#include <stdexcept>
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/box.h>
@@ -98,6 +100,20 @@ TEST(BoxQuery, FindsWhatFclFinds) {
   }
   EXPECT_GT(met, 300);
   EXPECT_LT(met, all - 300);
+}
+
+TEST(BoxQuery, BoxesAndPosesThatAreNone) {
+  const MeshQuery ball(make_sphere(1, 12));
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const RigidTransform here = RigidTransform::Identity();
+  for (const Vector3d& half_size : {Vector3d(none, 1, 1), Vector3d(1, -0.1, 1),
+                                    Vector3d(1, 1, std::numeric_limits<double>::infinity())}) {
+    EXPECT_THROW(does_surface_meet_box(ball, here, half_size), std::invalid_argument);
+  }
+  RigidTransform nowhere = here;
+  nowhere.translation().x() = none;
+  EXPECT_FALSE(does_surface_meet_box(ball, nowhere, {1, 1, 1}));
+  EXPECT_FALSE(does_surface_meet_box(ball, here, {0, 0, 0}));
 }
 
 TEST(BoxQuery, SizesFromMicrometresToKilometres) {
