@@ -81,15 +81,15 @@ std::vector<Setting> plan_settings(const robot::HandModel& hand) {
   struct Plan {
     const char *rolls, *standoffs, *offsets, *samples, *motions;
     const char* step = nullptr;  // of a hand
-    const char *count = nullptr, *enough = nullptr, *first_share = nullptr, *further = nullptr;
+    const char *count = nullptr, *first_share = nullptr, *further = nullptr;
   };
-  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "8", "1", "16"},
+  const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "8", "16"},
                                   {"6", "3", "1", "0", "1"},
                                   {"12", "4", "1", "4", "1"},
                                   {"12", "6", "3", "4", "3"},
                                   {"12", "6", "3", "16", "3"}};
-  const std::vector<Plan> of_fingers{{"3", "2", "1", "4", "1", "none", "8", "1", "16", "none"},
-                                     {"4", "2", "1", "4", "1", "none", "16", "2", "8", "none"},
+  const std::vector<Plan> of_fingers{{"3", "2", "1", "4", "1", "none", "8", "16", "none"},
+                                     {"4", "2", "1", "4", "1", "none", "16", "8", "none"},
                                      {"4", "2", "1", "4", "1", "none"},
                                      {"4", "2", "1", "4", "1", "0.01"},
                                      {"6", "3", "1", "16", "3", "0.004"}};
