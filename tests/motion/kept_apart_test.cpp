@@ -3,14 +3,17 @@
 
 #include "prehend/motion/kept_apart.h"
 
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "prehend/geometry/errors.h"
 #include "prehend/motion/robot_in_world.h"
 #include "prehend/robot/platform.h"
 #include "tests/robot/arms.h"
