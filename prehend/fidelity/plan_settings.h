@@ -16,8 +16,8 @@ namespace prehend::fidelity {
 ///   offsets     positions across the fingers 15 mm apart, an odd number, of circles
 ///   samples     disturbed poses and frictions in which each listed grasp is tried
 ///   count       grasps that are listed, so tried
-///   enough      of these that are sure to hold, after which no more candidates are tried; 0: all
-///   are first_share one of so many candidates is tried before it is asked whether these are enough
+///   enough      of these that are sure to hold: then no more candidates are tried; 0: all are
+///   first_share one of so many candidates is tried before it is asked whether these are enough
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
 void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options);
 

@@ -299,6 +299,8 @@ TEST_F(Plan, ABudgetOrToleranceOfACloudChoosesAllStages) {
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({cloud, "--budget", "1", "--tolerance", "0.5"}), HasSubstr("both given"));
   EXPECT_THAT(run({cloud, "--budget", "1", "--alternatives", "1"}), HasSubstr("--alternatives"));
+  EXPECT_THAT(run({cloud, "--budget", "1", "--first-share", "2"}),
+              HasSubstr("--first-share is chosen for a cloud"));
   EXPECT_EQ(exit_code_, 1);
 }
 
