@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::eval {
 namespace {
@@ -20,6 +21,22 @@ void check_once(const std::string& option, std::vector<std::uint64_t> seeds) {
   throw geometry::InputError(option + " gives a seed twice", "Give every seed once");
 }
 
+/// Those of `only`; all when it is empty.
+std::vector<DataSet> named(std::vector<DataSet> sets, const std::vector<std::string>& only) {
+  if (only.empty()) return sets;
+  std::vector<std::string> names;
+  for (const DataSet& set : sets) names.push_back(set.name);
+  for (const std::string& name : only) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    throw geometry::InputError("No data set has the name '" + name + "' that --only gives",
+                               text::nearest_match_mend(name, names));
+  }
+  std::erase_if(sets, [&only](const DataSet& set) {
+    return std::find(only.begin(), only.end(), set.name) == only.end();
+  });
+  return sets;
+}
+
 }  // namespace
 
 CaseChoice default_choice(const std::filesystem::path& out) {
@@ -29,7 +46,7 @@ CaseChoice default_choice(const std::filesystem::path& out) {
   return choice;
 }
 
-void add_case_options(CLI::App& app, CaseChoice& choice) {
+void add_case_options(CLI::App& app, CaseChoice& choice, bool views) {
   app.add_option("--out", choice.runs.out, "folder of the page, tables, figures and single results")
       ->capture_default_str();
   app.add_option("--json", choice.json, "file for the goals and totals");
@@ -47,7 +64,7 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
          "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
       ->excludes("--groups");
   app.add_option("--only", choice.only, "names of the data sets to evaluate; default: all");
-  app.add_flag("--quick", choice.quick, "two orientations instead of eight");
+  if (views) app.add_flag("--quick", choice.quick, "two orientations instead of eight");
   app.add_flag("--list", choice.list, "print the names of the chosen cases and evaluate nothing");
   app.add_option("--seed", choice.seeds,
                  "of texture, noise and sampling; each case is there with each seed")
@@ -56,14 +73,16 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
 }
 
 std::vector<DataSet> chosen_data_sets(const CaseChoice& choice) {
-  if (choice.drawn.empty()) return data_sets_to_evaluate(choice.meshes, choice.groups);
+  if (choice.drawn.empty()) {
+    return named(data_sets_to_evaluate(choice.meshes, choice.groups), choice.only);
+  }
   const std::vector<std::string>& groups = choice.groups;
   if (std::find(groups.begin(), groups.end(), "varied") == groups.end()) {
     throw geometry::InputError("--drawn gives seeds of scenes that are not evaluated",
                                "Give --groups varied, too");
   }
   check_once("--drawn", choice.drawn);
-  return data_sets_to_evaluate(choice.meshes, groups, choice.drawn);
+  return named(data_sets_to_evaluate(choice.meshes, groups, choice.drawn), choice.only);
 }
 
 const std::vector<std::uint64_t>& chosen_seeds(const CaseChoice& choice) {
@@ -72,21 +91,9 @@ const std::vector<std::uint64_t>& chosen_seeds(const CaseChoice& choice) {
 }
 
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice) {
-  std::vector<Case> cases = of_each_seed(choice, [&](std::uint64_t seed) {
+  return of_each_seed(choice, [&](std::uint64_t seed) {
     return make_cases(sets, choice.quick ? kQuickOrientations : kOrientations, seed);
   });
-  const std::vector<std::string>& only = choice.only;
-  if (!only.empty()) {
-    std::erase_if(cases, [&](const Case& one) {
-      return std::find(only.begin(), only.end(), one.data_set->name) == only.end();
-    });
-  }
-  if (cases.empty()) {
-    std::string known;
-    for (const DataSet& set : sets) known += (known.empty() ? "" : ", ") + set.name;
-    throw geometry::InputError("No data set has a name given by --only", "There are " + known);
-  }
-  return cases;
 }
 
 int list_cases(const std::vector<Case>& cases) {

@@ -31,15 +31,17 @@ struct CaseChoice {
 /// @param out the folder, unless --out names another one.
 CaseChoice default_choice(const std::filesystem::path& out);
 /// --out, --json, --groups, --drawn, --meshes, --only, --quick, --list, --seed, and those of
-/// add_run_options().
-void add_case_options(CLI::App& app, CaseChoice& choice);
+/// add_run_options(). @param views false: the bodies are not seen in orientations, there is no
+/// --quick.
+void add_case_options(CLI::App& app, CaseChoice& choice, bool views = true);
 
-/// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate().
-/// @throws geometry::InputError when --drawn has nothing to apply to, or a seed twice.
+/// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate(), of
+/// which --only leaves those that it names. @throws geometry::InputError when --drawn has nothing
+/// to apply to or a seed twice, or for a name that none has, with the nearest.
 std::vector<DataSet> chosen_data_sets(const CaseChoice& choice);
 
 /// The chosen cases of `sets`, which must outlive them: 8 orientations, 2 when quick, with each of
-/// the seeds. @throws geometry::InputError when there is none, or a seed twice.
+/// the seeds. @throws geometry::InputError for a seed twice.
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice);
 
 /// The seeds. @throws geometry::InputError when one is there twice.

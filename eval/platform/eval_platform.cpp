@@ -130,7 +130,7 @@ int main(int argc, char** argv) {
       "else "
       "moved by more than 2 cm. Recordings and reports lie below runs/ in the folder --out. A run "
       "that was interrupted goes on where it was.");
-  eval::add_case_options(app, options.choice);
+  eval::add_case_options(app, options.choice, false);
   const std::vector<std::string> known = robot::platform_names(text::tree_file("config/robots"));
   app.add_option("--platform", options.platforms, "the robots, one or more")
       ->check(CLI::IsMember(known))
