@@ -110,6 +110,7 @@ void PlatformPlanOptions::validate() const {
   if (touch) touch->validate();
   decision.validate();
   probe.validate();
+  if (push) push->validate();
   views.validate();
   ViewOptions::knobs(look, text::CheckKnobs{"PlatformPlanOptions.look."});
   RemedyOptions::knobs(remedies, text::CheckKnobs{require.of});
@@ -207,6 +208,7 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   for (const PlannedPick& pick : plan.picks) {
     if (!pick.segments.empty()) executable.push_back(&pick.grasp);
   }
+  if (options.push) add_push(hand, object, scene, start, options, &plan);
   if (!options.probes.empty() && !executable.empty()) {
     add_probe(hand, object, scene, start, options, &plan);
   }
@@ -281,6 +283,21 @@ void PlatformPlanner::add_probe(const grasp::HandToClose& hand, const surface::O
   plan->probe =
       plan_probe(platform_, hand, start, options.probes, object, scene, options.arm, options.probe);
   plan->probe_time = seconds_since(begin);
+}
+
+void PlatformPlanner::add_push(const grasp::HandToClose& hand, const surface::ObjectModel& object,
+                               const PlatformScene& scene, const robot::Positions& start,
+                               const PlatformPlanOptions& options, PlatformPlan* plan) const {
+  const bool is_blocked = std::any_of(plan->rejections.begin(), plan->rejections.end(),
+                                      [](const grasp::Rejection& rejection) {
+                                        return rejection.reason == grasp::Reason::kObstacle ||
+                                               rejection.reason == grasp::Reason::kFingerObstacle;
+                                      });
+  // One thing with room about it stays what it is. Grasps may all fail.
+  if (!is_blocked && !options.push->may_be_several) return;
+  const auto begin = steady_clock::now();
+  plan->push = plan_push(platform_, hand, start, object, scene, options.arm, *options.push);
+  plan->push_time = seconds_since(begin);
 }
 
 void PlatformPlanner::add_look(const surface::ObjectModel& object, const PlatformScene& scene,

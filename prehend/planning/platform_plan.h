@@ -13,6 +13,7 @@
 #include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/planning/probe_plan.h"
+#include "prehend/planning/push_plan.h"
 #include "prehend/planning/remedies.h"
 #include "prehend/planning/touch_prediction.h"
 #include "prehend/robot/platform.h"
@@ -47,6 +48,7 @@ struct PlatformPlan : grasp::PlanAnswer {
   std::vector<Choice> choices;
   PlannedProbe probe;      // of PlatformPlanOptions::probes; no segments: none can be made
   PlannedLook look;        // of PlatformPlanOptions::carried_camera
+  PlannedPush push;        // of PlatformPlanOptions::push
   Remedies remedies;       // where no grasp can be executed; in `problem`, too
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
@@ -54,6 +56,7 @@ struct PlatformPlan : grasp::PlanAnswer {
   double touch_time = 0;   // s, that predicting touch took
   double probe_time = 0;   // s, that planning the probe took
   double look_time = 0;    // s, that planning the look took
+  double push_time = 0;    // s, that planning the push took
   double remedy_time = 0;  // s, that finding out what would help took
 };
 
@@ -82,6 +85,9 @@ struct PlatformPlanOptions {
   /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
+  /// Where candidates fell for what stands beside it, or it may be several: how it can be pushed;
+  /// none: no push is planned.
+  std::optional<PushPlanOptions> push;
   /// The camera that the arm carries; none: no look from elsewhere is planned.
   std::optional<geometry::StereoCamera> carried_camera;
   ViewOptions look;
@@ -138,6 +144,10 @@ class PlatformPlanner {
   void add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,
                  const PlatformScene& scene, const robot::Positions& start,
                  const PlatformPlanOptions& options, PlatformPlan* plan) const;
+
+  void add_push(const grasp::HandToClose& hand, const surface::ObjectModel& object,
+                const PlatformScene& scene, const robot::Positions& start,
+                const PlatformPlanOptions& options, PlatformPlan* plan) const;
 
   void add_look(const surface::ObjectModel& object, const PlatformScene& scene,
                 const robot::Positions& start, const PlatformPlanOptions& options,

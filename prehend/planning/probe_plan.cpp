@@ -10,8 +10,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/rotation_between.h"
+#include "prehend/planning/posed_hand.h"
+#include "prehend/planning/straight_way.h"
 #include "prehend/text/require.h"
 
 namespace prehend::planning {
@@ -32,102 +33,10 @@ struct ProbePose {
   double length = 0;  // m, of the straight way until it is expected to meet the object
 };
 
-/// The hand with its motors open, and what it may meet.
-class ProbingHand {
- public:
-  ProbingHand(const robot::Platform& platform, const grasp::HandToClose& hand,
-              const surface::ObjectModel& object, const PlatformScene& scene)
-      : hand_(hand),
-        preshape_(platform.hand.preshapes.front()),
-        all_(platform.hand.all_positions(preshape_.open)),
-        X_GH_((platform.hand.X_HP * preshape_.X_PG).inverse(Eigen::Isometry)),
-        object_(object.mesh_W),
-        object_grid_(object_),
-        obstacles_(joined(scene.obstacle_pieces_W)),
-        scene_{&object_grid_, scene.table_W, nullptr} {
-    hand.hand->link_poses(all_, X_HL_);
-    if (!obstacles_.triangles.empty()) {
-      obstacle_query_.emplace(obstacles_);
-      obstacle_grid_.emplace(*obstacle_query_);
-      scene_.obstacles_W = &*obstacle_grid_;
-    }
-  }
-  ProbingHand(const ProbingHand&) = delete;
-  ProbingHand& operator=(const ProbingHand&) = delete;
-
-  const robot::Preshape& preshape() const { return preshape_; }
-
-  /// Of a finger, in the tool's frame, along `d_G` (unit).
-  Vector3d foremost(int finger, const Vector3d& d_G) const {
-    const RigidTransform X_HG = X_GH_.inverse(Eigen::Isometry);
-    const Vector3d d_H = X_HG.linear() * d_G;
-    double most = -std::numeric_limits<double>::infinity();
-    Vector3d best_H = Vector3d::Zero();
-    for (const int l : hand_.hand->fingers.at(static_cast<std::size_t>(finger)).links) {
-      const auto link = static_cast<std::size_t>(l);
-      const grasp::LinkBalls& balls = hand_.balls.links[link];
-      for (std::size_t i = 0; i < balls.centers.size(); ++i) {
-        const Vector3d front_H = X_HL_[link] * balls.centers[i] + balls.radii[i] * d_H;
-        if (front_H.dot(d_H) <= most) continue;
-        most = front_H.dot(d_H);
-        best_H = front_H;
-      }
-    }
-    return X_GH_ * best_H;
-  }
-
-  double clearance(const RigidTransform& X_WG) const {
-    return grasp::hand_clearance(hand_, X_WG * X_GH_, all_, scene_).clearance;
-  }
-  grasp::Advance advance(const RigidTransform& X_WG, const Vector3d& d_W, double most) const {
-    return grasp::advance_hand(hand_, X_WG * X_GH_, all_, d_W, most, kTouching, scene_);
-  }
-  /// Until it meets a mesh alone; `most` where it does not.
-  double meets(const geometry::TriangleMesh& mesh_W, const RigidTransform& X_WG,
-               const Vector3d& d_W, double most) const {
-    const geometry::MeshQuery query(mesh_W);
-    const grasp::DistanceGrid grid(query);
-    const grasp::TouchScene alone{&grid, std::nullopt, nullptr};
-    return grasp::advance_hand(hand_, X_WG * X_GH_, all_, d_W, most, kTouching, alone).distance;
-  }
-  bool is_of(int link, int finger) const {
-    const std::vector<int>& links = hand_.hand->fingers.at(static_cast<std::size_t>(finger)).links;
-    return std::find(links.begin(), links.end(), link) != links.end();
-  }
-  int fingers() const { return static_cast<int>(hand_.hand->fingers.size()); }
-
- private:
-  static constexpr double kTouching = 2e-4;  // m
-
-  static geometry::TriangleMesh joined(const std::vector<geometry::TriangleMesh>& meshes) {
-    geometry::TriangleMesh all;
-    for (const geometry::TriangleMesh& mesh : meshes) {
-      const auto first = static_cast<int>(all.vertices.size());
-      all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-      for (const auto& t : mesh.triangles) {
-        all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-      }
-    }
-    return all;
-  }
-
-  const grasp::HandToClose& hand_;
-  const robot::Preshape& preshape_;
-  Eigen::VectorXd all_;
-  RigidTransform X_GH_;
-  geometry::MeshQuery object_;
-  grasp::DistanceGrid object_grid_;
-  geometry::TriangleMesh obstacles_;
-  std::optional<geometry::MeshQuery> obstacle_query_;
-  std::optional<grasp::DistanceGrid> obstacle_grid_;
-  grasp::TouchScene scene_;
-  std::vector<RigidTransform> X_HL_;
-};
-
 Vector3d direction_of(const ProbeWay& way) { return (way.at_W - way.start_W).normalized(); }
 
 /// Orientations of the tool in which a finger may go along d_W.
-std::vector<Eigen::Matrix3d> orientations(const ProbingHand& hand, int finger, const Vector3d& d_W,
+std::vector<Eigen::Matrix3d> orientations(const PosedHand& hand, int finger, const Vector3d& d_W,
                                           const Vector3d& up_W,
                                           const std::optional<Vector3d>& fixed_W,
                                           const ProbePlanOptions& options) {
@@ -156,7 +65,7 @@ std::vector<Eigen::Matrix3d> orientations(const ProbingHand& hand, int finger, c
 }
 
 /// Poses in which the finger meets the object first, about where it is expected to.
-std::vector<ProbePose> poses_of(const ProbingHand& hand, const std::vector<ProbeWay>& ways,
+std::vector<ProbePose> poses_of(const PosedHand& hand, const std::vector<ProbeWay>& ways,
                                 std::size_t index, const Vector3d& up_W,
                                 const std::optional<Vector3d>& fixed_W, std::size_t most,
                                 const ProbePlanOptions& options) {
@@ -214,8 +123,9 @@ PlannedProbe plan_probe(const robot::Platform& platform, const grasp::HandToClos
     planned.problem = "there is nothing to be learnt that a fingertip can reach";
     return planned;
   }
-  const ProbingHand probing(platform, hand, object, scene);
-  const std::optional<Vector3d> fixed_W = platform.fixed_approach(probing.preshape());
+  const robot::Preshape& preshape = platform.hand.preshapes.front();
+  const PosedHand probing(platform, hand, preshape, preshape.open, object.mesh_W, scene);
+  const std::optional<Vector3d> fixed_W = platform.fixed_approach(preshape);
   std::vector<ProbePose> poses;
   const auto each = static_cast<std::size_t>(options.candidates);
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -232,8 +142,8 @@ PlannedProbe plan_probe(const robot::Platform& platform, const grasp::HandToClos
     end.X_WG = pose.X_WG;
     end.X_WG.translation() += end.pregrasp_distance * d_W;
     end.approach_W = d_W;
-    end.preshape = probing.preshape().name;
-    end.open = probing.preshape().open;
+    end.preshape = preshape.name;
+    end.open = preshape.open;
     end.expected_success = 1 - static_cast<double>(pose.way) / static_cast<double>(ways.size());
     ends.push_back(std::move(end));
   }
@@ -244,13 +154,7 @@ PlannedProbe plan_probe(const robot::Platform& platform, const grasp::HandToClos
         ways.size());
     return planned;
   }
-  constexpr double kLift = 0.02;  // m: of no use, as nothing is held
-  PlatformPickOptions to_there = arm;
-  to_there.moves_W.clear();
-  to_there.shift = 0;
-  to_there.pick.lift_height = kLift;
-  to_there.pick.straight_speed = options.speed;
-  PlatformPick pick = plan_platform_pick(platform, start, ends, scene, to_there);
+  PlatformPick pick = plan_straight_way(platform, start, ends, scene, arm, options.speed);
   if (!pick.motion.found()) {
     planned.problem = "the arm can make none of them: " + pick.motion.problem;
     return planned;
@@ -259,24 +163,14 @@ PlannedProbe plan_probe(const robot::Platform& platform, const grasp::HandToClos
   const PlatformGrasp& end = ends[static_cast<std::size_t>(pick.grasp)];
   planned.way = static_cast<int>(pose.way);
   planned.finger = pose.finger;
-  planned.hand.X_WG = end.X_WG;
-  planned.hand.approach_W = end.approach_W;
-  planned.hand.pregrasp_distance = end.pregrasp_distance;
-  planned.hand.preshape = end.preshape;
-  planned.hand.open = planned.hand.closed = end.open;
-  planned.hand.generator = "probe";
-  planned.tip_H = platform.hand.X_HP * probing.preshape().X_PG * pose.front_G;
+  planned.hand = hand_at_end(end, "probe");
+  planned.tip_H = platform.hand.X_HP * preshape.X_PG * pose.front_G;
   grasp::GraspContact tip;
   tip.contact_W.point = end.X_WG * pose.front_G;
   tip.contact_W.normal = end.approach_W;
   tip.finger = pose.finger;
   planned.hand.contacts.push_back(tip);
-  for (motion::PickSegment& segment : pick.motion.segments) {
-    if (segment.kind == motion::SegmentKind::kReach ||
-        segment.kind == motion::SegmentKind::kApproach) {
-      planned.segments.push_back(std::move(segment));
-    }
-  }
+  planned.segments = std::move(pick.motion.segments);
   std::vector<const geometry::TriangleMesh*> shapes{&object.mesh_W};
   for (const geometry::TriangleMesh& other : object.alternatives_W) shapes.push_back(&other);
   for (const geometry::TriangleMesh* shape : shapes) {
