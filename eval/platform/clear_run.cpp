@@ -43,11 +43,13 @@ class ClearWatch {
   }
   void take(const msgs::CycleState& state) {
     const control::Phase phase = convert::from_message(state.phase());
-    if (phase == control::Phase::kApproach && last_ != control::Phase::kApproach) {
+    const bool begins = phase != last_;
+    if (begins && (phase == control::Phase::kApproach || phase == control::Phase::kPush)) {
       end_attempt();
-      before_ = now_;
       if (!first_stamp_) first_stamp_ = state.header().stamp();
     }
+    // What a push moves is what it is for.
+    if (begins && phase == control::Phase::kApproach) before_ = now_;
     last_ = phase;
     last_stamp_ = state.header().stamp();
     const std::string& detail = state.detail();
@@ -60,6 +62,7 @@ class ClearWatch {
   void take(const msgs::CycleResult& end) {
     result_->ended = true;
     result_->attempts = static_cast<int>(end.attempts());
+    result_->pushes = static_cast<int>(end.pushes());
     result_->reason = end.reason();
     last_stamp_ = end.header().stamp();
   }
@@ -178,6 +181,7 @@ std::string to_text(const ClearResult& r) {
   map["graspable"] = r.graspable;
   map["found"] = r.found;
   map["attempts"] = r.attempts;
+  map["pushes"] = r.pushes;
   map["neighbours"] = r.neighbours;
   map["simulated"] = r.simulated;
   map["seconds"] = r.seconds;
@@ -203,6 +207,7 @@ ClearResult read_clear(const std::string& text) {
     r.graspable = map["graspable"].as<std::vector<std::string>>();
     r.found = map["found"].as<int>();
     r.attempts = map["attempts"].as<int>();
+    r.pushes = map["pushes"].as<int>();
     r.neighbours = map["neighbours"].as<int>();
     r.simulated = map["simulated"].as<double>();
     r.seconds = map["seconds"].as<double>();

@@ -15,6 +15,7 @@ struct ClearResult {
   std::vector<std::string> graspable;  // of the bodies, see graspable_bodies()
   int found = 0;                       // objects of the first look
   int attempts = 0;                    // to lift something
+  int pushes = 0;                      // of what could not be grasped as it stood
   int neighbours = 0;                  // times that an attempt moved another body by more than 2 cm
   double simulated = 0;                // s, from the first approach to the end
   double seconds = 0;                  // wall time of the launch

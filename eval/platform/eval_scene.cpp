@@ -51,7 +51,8 @@ std::string share(int some, int all) {
 
 // Sums over runs.
 struct Sum {
-  int scenes = 0, ended = 0, bodies = 0, found = 0, cleared = 0, attempts = 0, neighbours = 0;
+  int scenes = 0, ended = 0, bodies = 0, found = 0, cleared = 0, attempts = 0, pushes = 0;
+  int neighbours = 0;
   int graspable = 0, graspable_cleared = 0;
   double simulated = 0, seconds = 0;  // s
   std::map<std::string, int> failures;
@@ -65,6 +66,7 @@ struct Sum {
     graspable += static_cast<int>(r.graspable.size());
     graspable_cleared += r.graspable_cleared();
     attempts += r.attempts;
+    pushes += r.pushes;
     neighbours += r.neighbours;
     simulated += r.simulated;
     seconds += r.seconds;
@@ -82,6 +84,7 @@ struct Sum {
             share(graspable_cleared, graspable),
             fmt::format("{}", found),
             cleared > 0 ? fmt::format("{:.2f}", 1.0 * attempts / cleared) : "-",
+            fmt::format("{}", pushes),
             simulated > 0 ? fmt::format("{:.0f}", 3600 * cleared / simulated) : "-",
             causes.empty() ? "-" : causes,
             fmt::format("{}", neighbours),
@@ -93,9 +96,10 @@ struct Sum {
 const std::vector<std::string> kHeader{"platform",         "kind",
                                        "scenes",           "cleared",
                                        "of the graspable", "seen in the first look",
-                                       "attempts each",    "an hour",
-                                       "failed attempts",  "neighbours moved",
-                                       "without an end",   "s a scene"};
+                                       "attempts each",    "pushes",
+                                       "an hour",          "failed attempts",
+                                       "neighbours moved", "without an end",
+                                       "s a scene"};
 
 std::vector<std::vector<std::string>> rows_of(const std::vector<std::string>& platforms,
                                               const std::vector<ClearResult>& results) {
@@ -116,16 +120,17 @@ std::vector<std::vector<std::string>> rows_of(const std::vector<std::string>& pl
 
 std::string csv_of(const std::vector<ClearResult>& results) {
   std::string text =
-      "platform,scene,kind,bodies,graspable,found,cleared,graspable_cleared,attempts,neighbours,"
+      "platform,scene,kind,bodies,graspable,found,cleared,graspable_cleared,attempts,pushes,"
+      "neighbours,"
       "simulated_s,seconds,ended,"
       "left,reason\n";
   for (const ClearResult& r : results) {
     std::string reason = r.reason;
     std::replace(reason.begin(), reason.end(), '"', '\'');
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.1f},{:.1f},{},{},\"{}\"\n", r.platform,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{:.1f},{},{},\"{}\"\n", r.platform,
                         r.scene, r.kind, r.bodies, r.graspable.size(), r.found, r.cleared,
-                        r.graspable_cleared(), r.attempts, r.neighbours, r.simulated, r.seconds,
-                        r.ended ? 1 : 0, fmt::join(r.left, " "), reason);
+                        r.graspable_cleared(), r.attempts, r.pushes, r.neighbours, r.simulated,
+                        r.seconds, r.ended ? 1 : 0, fmt::join(r.left, " "), reason);
   }
   return text;
 }
@@ -138,10 +143,11 @@ void write_page(const fs::path& folder, const std::vector<std::vector<std::strin
   std::vector<std::vector<std::string>> scenes;
   for (const ClearResult& r : results) {
     scenes.push_back({r.platform, r.scene, fmt::format("{} of {}", r.cleared, r.bodies),
-                      fmt::format("{}", r.attempts), fmt::format("{}", fmt::join(r.left, " ")),
-                      r.reason});
+                      fmt::format("{}", r.attempts), fmt::format("{}", r.pushes),
+                      fmt::format("{}", fmt::join(r.left, " ")), r.reason});
   }
-  page.add_table({"platform", "scene", "cleared", "attempts", "left", "how it ended"}, scenes);
+  page.add_table({"platform", "scene", "cleared", "attempts", "pushes", "left", "how it ended"},
+                 scenes);
   std::map<std::string, int> said;
   for (const ClearResult& r : results) {
     for (const auto& [words, count] : r.said) said[words] += count;
@@ -228,7 +234,7 @@ int main(int argc, char** argv) {
       "where the task puts things is cleared; graspable is what could be grasped if its shape were "
       "known and it lay there alone. Scenes, recordings and reports lie below runs/ in "
       "the folder --out. A run that was interrupted goes on where it was.");
-  eval::add_case_options(app, options.choice);
+  eval::add_case_options(app, options.choice, false);
   const std::vector<std::string> known = robot::platform_names(text::tree_file("config/robots"));
   app.add_option("--platform", options.platforms, "the robots, one or more")
       ->check(CLI::IsMember(known))

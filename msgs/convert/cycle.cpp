@@ -173,6 +173,12 @@ control::ArmGrasp probe_from_message(const msgs::Grasp& probe,
   return result;
 }
 
+control::ArmGrasp push_from_message(const msgs::Grasp& push) {
+  control::ArmGrasp result = arm_grasp_from_message(push);
+  result.pushes = true;
+  return result;
+}
+
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
   for (const auto& [kind, path] : grasp.segments) {
     msgs::ArmSegment& segment = *message->add_arm();
@@ -225,6 +231,7 @@ msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t st
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
   message.set_touches(static_cast<std::uint32_t>(result.touches));
   message.set_looks(static_cast<std::uint32_t>(result.looks));
+  message.set_pushes(static_cast<std::uint32_t>(result.pushes));
   message.set_placed(static_cast<std::uint32_t>(result.placed));
   return message;
 }

@@ -26,6 +26,8 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
 /// @throws as arm_grasp_from_message(), and for a fingertip that is nowhere.
 control::ArmGrasp probe_from_message(const msgs::Grasp& probe,
                                      const geometry::RigidTransform& X_HG);
+/// The same of GraspPlan::push. @throws as arm_grasp_from_message().
+control::ArmGrasp push_from_message(const msgs::Grasp& push);
 /// The arm's segments, and how the hand closes and how hard.
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message);
 

@@ -44,7 +44,8 @@ static_assert(is_same(Phase::kMove, msgs::CycleState::MOVE));
 static_assert(is_same(Phase::kRelease, msgs::CycleState::RELEASE));
 static_assert(is_same(Phase::kDone, msgs::CycleState::DONE));
 static_assert(is_same(Phase::kFailed, msgs::CycleState::FAILED));
-static_assert(is_same(Phase::kFailed, msgs::CycleState::Phase_MAX), "a new one has none here");
+static_assert(is_same(Phase::kPush, msgs::CycleState::PUSH));
+static_assert(is_same(Phase::kPush, msgs::CycleState::Phase_MAX), "a new one has none here");
 
 static_assert(is_same(CycleOutcome::kFailed, msgs::CycleResult::FAILED));
 static_assert(is_same(CycleOutcome::kUngraspable, msgs::CycleResult::UNGRASPABLE));
@@ -66,7 +67,8 @@ static_assert(is_same(Primitive::kDecide, msgs::Task::DECIDE));
 static_assert(is_same(Primitive::kProbe, msgs::Task::PROBE));
 static_assert(is_same(Primitive::kInspect, msgs::Task::INSPECT));
 static_assert(is_same(Primitive::kView, msgs::Task::VIEW));
-static_assert(is_same(Primitive::kView, msgs::Task::Action_MAX), "a new one has none here");
+static_assert(is_same(Primitive::kPush, msgs::Task::PUSH));
+static_assert(is_same(Primitive::kPush, msgs::Task::Action_MAX), "a new one has none here");
 
 static_assert(is_same(SurpriseKind::kOpeningAtContact, msgs::Surprise::OPENING_AT_CONTACT));
 static_assert(is_same(SurpriseKind::kContactArea, msgs::Surprise::CONTACT_AREA));

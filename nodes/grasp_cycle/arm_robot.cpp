@@ -184,7 +184,12 @@ std::string ArmRobot::waits_for() const {
   return !has_gripper() || known ? "" : gripper_.missing();
 }
 
-void ArmRobot::start() {
+void ArmRobot::prepare_push(const msgs::GraspPlan& plan) {
+  prepared_ = {convert::push_from_message(plan.push())};
+  advice_ = {};
+}
+
+void ArmRobot::start(const std::string& problem) {
   if (has_gripper()) {
     const std::optional<robot::GripperModel> gripper = gripper_.model();
     if (!gripper) throw std::runtime_error(gripper_.missing());
@@ -193,7 +198,7 @@ void ArmRobot::start() {
   }
   attempt_watch_.emplace(platform_, contact_force_, touch_force_);
   percept_watch_.emplace(platform_, touch_force_, touch_counts_);
-  cycle_->start(prepared_, "", advice_);
+  cycle_->start(prepared_, problem, advice_);
 }
 
 std::string ArmRobot::prepare(const View& view, const Target& target, std::optional<int> first) {

@@ -63,10 +63,14 @@ class ArmRobot {
   /// in words. @param first of the grasps, that is tried before the others, whatever the plan
   /// advises. @throws std::exception with the reason why they cannot be executed.
   std::string prepare(const View& view, const Target& target, std::optional<int> first = {});
-  /// Starts a cycle on what was prepared. @throws as prepare().
-  void start();
-  /// The running cycle goes on with what was prepared.
-  void take_prepared() { cycle_->take_plan(prepared_, "", advice_); }
+  /// Gets ready for the push of a plan, as nothing can be grasped. @throws as prepare().
+  void prepare_push(const msgs::GraspPlan& plan);
+  /// Starts a cycle on what was prepared. `problem`: why it is no grasp. @throws as prepare().
+  void start(const std::string& problem = "");
+  /// The running cycle goes on with what was prepared. `problem` as start()'s.
+  void take_prepared(const std::string& problem = "") {
+    cycle_->take_plan(prepared_, problem, advice_);
+  }
   /// A new look gave no grasp, for this reason.
   void take_nothing(const std::string& problem) { cycle_->take_plan({}, problem); }
   /// One step of the cycle on what the sensors say now.

@@ -252,6 +252,7 @@ void CycleNode::start(const View& view) {
   const Target target = target_in(view, object_);
   target_ = target.id;
   if (target.grasps.empty()) {
+    if (!target.none_left && prepares_push(view)) return begin(grasp::in_words(target));
     control::CycleResult nothing;
     if (target.none_left) nothing.outcome = CycleOutcome::kSucceeded;
     if (target.outcome == grasp::PlanOutcome::kUngraspable) {
@@ -281,13 +282,27 @@ void CycleNode::start(const View& view) {
   });
 }
 
-void CycleNode::begin() {
+bool CycleNode::prepares_push(const View& view) {
+  // Of predicted objects in a simulation only the target can be moved.
+  if (!task_.does(control::Primitive::kPush) || predicted_.wanted()) return false;
+  const msgs::GraspPlan* plan =
+      choose_push(view, [this](const msgs::GraspPlan& one) { return is_settled(one); });
+  if (!plan) return false;
+  robot_->prepare_push(*plan);
+  target_ = plan->id();
+  centroid_W_ = convert::from_message(plan->centroid());
+  view_stamp_ = plan->header().stamp();
+  node_.log_info("nothing can be grasped: object {} is to be pushed", target_);
+  return true;
+}
+
+void CycleNode::begin(const std::string& problem) {
   surprises_sent_ = surprises_before_ = 0;
   evidence_sent_ = loads_sent_ = looks_sent_ = percepts_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
-  robot_->start();
+  robot_->start(problem);
   running_ = true;
 }
 
@@ -304,9 +319,13 @@ void CycleNode::look_again(double since) {
   if (!view) return;
   const std::string failure = node_.shield("plan", [&] {
     const bool any = robot_->cycle().any_object();
-    if (static_cast<int>(given_up_W_.size()) < robot_->cycle().given_up()) {
-      given_up_W_.push_back(centroid_W_);
+    // What was given up comes last once something else was moved.
+    const int given_up = robot_->cycle().given_up();
+    if (static_cast<int>(given_up_W_.size()) > given_up) {
+      failed_W_.insert(failed_W_.end(), given_up_W_.begin(), given_up_W_.end());
+      given_up_W_.clear();
     }
+    if (static_cast<int>(given_up_W_.size()) < given_up) given_up_W_.push_back(centroid_W_);
     // Ids are of one view: the object asked for is what lies nearest to where it was. A simulation
     // of predicted objects keeps them.
     int object = any || object_ < 0 ? -1 : nearest_object(*view, centroid_W_);
@@ -323,7 +342,9 @@ void CycleNode::look_again(double since) {
     }
     const Target target = target_in(*view, object);
     if (target.grasps.empty()) {
-      return robot_->take_nothing(grasp::in_words(target));
+      const std::string problem = grasp::in_words(target);
+      if (any && !target.none_left && prepares_push(*view)) return robot_->take_prepared(problem);
+      return robot_->take_nothing(problem);
     }
     const std::string destination = robot_->prepare(*view, target);
     target_ = target.id;

@@ -39,7 +39,10 @@ class CycleNode {
   static bool is_among(const std::vector<Eigen::Vector3d>& centroids_W,
                        const msgs::GraspPlan& plan);
   void start(const View& view);
-  void begin();
+  void begin(const std::string& problem = "");
+  /// Gets ready to push something of a view without grasps; false: the task does not push, or
+  /// nothing is to be pushed.
+  bool prepares_push(const View& view);
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   void publish_progress();

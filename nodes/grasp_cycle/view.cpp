@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/outcomes.h"
 
@@ -146,6 +147,15 @@ Target choose_target(const View& whole, int object, const Lacks& lacks, const Of
   static_cast<PlanAnswer&>(target) = best ? answer_for(*best, lacks) : answer_for_all(view, lacks);
   target.id = best ? best->id() : view.plans.begin()->first;
   return target;
+}
+
+const msgs::GraspPlan* choose_push(const View& view, const OfObject& leaves_out) {
+  const msgs::GraspPlan* best = nullptr;
+  for (const auto& [id, plan] : view.plans) {
+    if (!plan->has_push() || !convert::has_arm_motion(plan->push()) || leaves_out(*plan)) continue;
+    if (!best || plan->push().score() > best->push().score()) best = plan.get();
+  }
+  return best;
 }
 
 bool met_too_early(std::span<const control::Surprise> of_attempt) {

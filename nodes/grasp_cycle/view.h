@@ -72,6 +72,10 @@ using OfObject = std::function<bool(const msgs::GraspPlan&)>;
 Target choose_target(const View& view, int object, const Lacks& lacks,
                      const OfObject& leaves_out = nullptr, const OfObject& comes_last = nullptr);
 
+/// The plan whose push has most room, of those that have one and that `leaves_out` does not say;
+/// null: nothing is to be pushed.
+const msgs::GraspPlan* choose_push(const View& view, const OfObject& leaves_out);
+
 /// Whether the hand has met something on an approach where nothing was predicted, by the surprises
 /// of an attempt: an object that is of another shape would be predicted like that again.
 bool met_too_early(std::span<const control::Surprise> of_attempt);

@@ -27,6 +27,8 @@ namespace {
 using namespace prehend;
 using std::chrono::steady_clock;
 
+constexpr double kSureOfOne = 0.5;  // confidence of a shape, from which it is thought to be one
+
 // Where the candidates fell, and how near the best of them came.
 void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   for (const auto& rejection : plan.rejections()) {
@@ -202,7 +204,7 @@ class GraspPlanning {
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
                              known, convert::load_of(message), probes_of(message),
-                             remedy_budget_left_);
+                             message.confidence() < kSureOfOne, remedy_budget_left_);
     } catch (const geometry::InputError& error) {
       return without_grasps(msgs::GraspPlan::UNGRASPABLE, error.what());
     }

@@ -73,7 +73,7 @@ msgs::GraspPlan PlatformPlanning::plan(
     const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
     grasp::GraspDatabase* database, const std::optional<grasp::PlacedObject>& known,
     const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
-    double remedy_budget) const {
+    bool may_be_several, double remedy_budget) const {
   std::vector<Eigen::Vector3d> points;
   for (const auto& piece : object.convex_pieces_W) {
     points.insert(points.end(), piece.vertices.begin(), piece.vertices.end());
@@ -82,6 +82,9 @@ msgs::GraspPlan PlatformPlanning::plan(
   options.place = places_of(task_, points, options.place);
   options.load = load;
   options.probes = probes;
+  if (task_.does(control::Primitive::kPush)) {
+    options.push.emplace().may_be_several = may_be_several;
+  }
   options.remedies.budget = remedy_budget;
   const planning::PlatformPlan plan =
       planner_.plan(object, table_W, neighbours, reachability, start_, options, database, known);
@@ -123,6 +126,18 @@ msgs::GraspPlan PlatformPlanning::plan(
     time.set_stage("probe");
     time.set_seconds(plan.probe_time);
     message.mutable_probe()->set_remark(plan.probe.problem);
+  }
+  if (plan.push_time > 0) {
+    auto& time = *message.add_times();
+    time.set_stage("push");
+    time.set_seconds(plan.push_time);
+    msgs::Grasp& push = *message.mutable_push();
+    push.set_remark(plan.push.problem);
+    if (const auto way = control::arm_push(planner_.platform(), plan.push)) {
+      push = convert::to_message(plan.push.hand, planner_.platform().hand);
+      push.set_score(plan.push.room / plan.push.length);
+      convert::add_motion(*way, &push);
+    }
   }
   if (plan.look_time > 0) {
     auto& time = *message.add_times();

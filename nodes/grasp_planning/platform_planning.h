@@ -30,14 +30,15 @@ class PlatformPlanning {
                    const std::optional<fidelity::Setting>& touch, control::Task task);
 
   /// planning::PlatformPlanner::plan(), with the task's places, what is known of its load, and
-  /// where a fingertip would learn most of it. `remedy_budget` [s] is what is left of the view's.
+  /// where a fingertip would learn most of it. `remedy_budget` [s] is what is left of the view's;
+  /// `may_be_several`: as PushPlanOptions'.
   /// @throws geometry::InputError for a bad mesh, or an object that has no place in the task.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
                        const planning::Neighbours& neighbours,
                        const grasp::Reachability& reachability, grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known,
                        const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
-                       double remedy_budget) const;
+                       bool may_be_several, double remedy_budget) const;
 
   /// For finding out what would help the objects of a view that have no grasp, together [s].
   double remedy_budget() const { return options_.remedies.budget; }

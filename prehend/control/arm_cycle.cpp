@@ -18,11 +18,11 @@ constexpr double kMeetTime = 0.2;   // s, that a probe stands at what it has met
 constexpr double kFreeShare = 0.5;  // of the lift's limit: what the grip pressed down is clear
 constexpr const char* kLooksAgain = "lets go and looks again";
 
-// A probe is the last.
+// A probe or a push is the last.
 std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
   std::vector<GraspPose> poses;
   for (const ArmGrasp& grasp : grasps) {
-    if (!grasp.probe_H) poses.push_back(grasp.pose);
+    if (grasp.is_grasp()) poses.push_back(grasp.pose);
   }
   return poses;
 }
@@ -39,6 +39,7 @@ void ArmCycleOptions::validate() const {
 
 std::string described(const ArmGrasp& grasp, int index) {
   if (grasp.probe_H) return "probe with one fingertip";
+  if (grasp.pushes) return "push along the table";
   return fmt::format("grasp {} (score {:.2f}, {})", index, grasp.score,
                      grasp.robustness < 0 ? std::string("robustness not assessed")
                                           : fmt::format("held in {:.0f} % of the disturbed trials",
@@ -141,7 +142,9 @@ void ArmCycle::fail(const std::string& reason) {
 void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem, Advice advice) {
   if (!waits_for_plan()) return;
   std::vector<GraspPose> poses = poses_of(grasps);
-  if (!poses.empty()) grasps_ = std::move(grasps);
+  // Without grasps those of the plan before stay; a push of before is not done again.
+  std::erase_if(grasps_, [](const ArmGrasp& one) { return one.pushes; });
+  if (!grasps.empty()) grasps_ = std::move(grasps);
   plan_taken(std::move(poses), problem, std::move(advice));
 }
 
@@ -175,7 +178,8 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   if (stop_when_lost()) return;
   if (watch_held() || judge_lift() || watch_slip()) return;
   MotionStatus status = motion_status();
-  const bool meets = step_ == Step::kApproach && (hand_.touches() || (is_probe() && pads_meet()));
+  const bool meets = step_ == Step::kApproach && !grasp().pushes &&
+                     (hand_.touches() || (is_probe() && pads_meet()));
   if (status == MotionStatus::kMoving && (meets || hits_on_lift())) {
     arm_.stop();
     status = MotionStatus::kContact;
@@ -186,6 +190,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     stop_motion();
     return fail(detail_ + " took too long");
   }
+  if (status == MotionStatus::kFailed && leaves_jammed()) return;
   if (status == MotionStatus::kFailed) {
     std::string why = detail_ + ": ";
     why += moves_hand() ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
@@ -194,6 +199,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     return fail(why);
   }
   if (status == MotionStatus::kContact && !moves_hand() && !reacts_to_contact()) {
+    if (retreats_on()) return;
     return fail(fmt::format("{}: the arm hit something, the wrist felt {:.0f} N", detail_,
                             felt_contact(0)));
   }
@@ -210,7 +216,7 @@ bool ArmCycle::reacts_to_contact() const {
       return lowers_fully_;
     case Step::kApproach:
       return options_.reacts || hand_.feels_its_grip() || primitive() == Primitive::kTouch ||
-             is_probe();
+             !grasp().is_grasp();
     default:
       return false;
   }
@@ -267,7 +273,8 @@ void ArmCycle::advance(MotionStatus status) {
       for (const PadPercept& pad : percepts_.pads) sums_at_rest_[pad.name] = pad.sum;
       const bool feels = options_.reacts || primitive() == Primitive::kTouch;
       const double force = feels ? options_.contact_force : options_.collision_force;
-      begin_segment(Step::kApproach, is_probe() ? options_.probe_force : force);
+      begin_segment(Step::kApproach, is_probe() ? options_.probe_force
+                                                : (grasp().pushes ? options_.push_force : force));
       return;
     }
     case Step::kApproach:

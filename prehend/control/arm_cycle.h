@@ -55,8 +55,14 @@ namespace prehend::control {
 /// or a pad more than at rest, by `touch_force`; stands a moment, so that all sensors tell of it,
 /// and goes back.
 ///
+/// A push (ArmGrasp::pushes) goes straight through what the hand meets, to its end or until the
+/// wrist feels `push_force`, whatever its pads feel, and goes back.
+///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// Where fingers that open press on something at a place, the hand goes up from it, and they go on.
+/// Where fingers that open press on something at a place, or jaws cannot open there for what stands
+/// beside them, the hand goes up from it, and they go on. Jaws that feel nothing any more leave,
+/// however far they are open. A retreat that has hit something goes on from there, as what was hit
+/// may have given way, three times at most.
 /// It retreats as planned from a place, else back the way it came, as far as it came. Fingers that
 /// take along what was put down (one that stood in a cup hooks it when it opens) put it back, open
 /// by little, and leave again. Looks again (Cycle) are taken from where the arm stood at first;
@@ -154,6 +160,7 @@ class ArmCycle : public Cycle {
   void prepare_attempt() override;
   void clear_view() override;
   std::optional<int> probe_grasp() const override;
+  std::optional<int> push_grasp() const override;
   void go_to_view(const JointTrajectory& way) override;
   void leave_view() override;
   void stop_motion() override;
@@ -242,6 +249,10 @@ class ArmCycle : public Cycle {
   bool presses() const;
   bool opens_onto_something() const;
   void relieve(bool opens_on);
+  /// Of jaws that do not open: goes on all the same; true then.
+  bool leaves_jammed();
+  /// The retreat goes on from where it has hit something; true then.
+  bool retreats_on();
   void open_hand(Step step, const std::string& detail);
   void open_to_release();
   /// Puts down again what the hand has taken along, to leave it with fingers that open less.
@@ -284,6 +295,7 @@ class ArmCycle : public Cycle {
   std::string refused_;          // why a segment could not begin
   double gripped_ = 0;           // rad, closure() when it had gripped
   int reliefs_ = 0;              // times that it went up from what it pressed on
+  int hits_ = 0;                 // times that the retreat has hit something and went on
   bool opens_on_ = false;        // after the last one
   bool opened_less_ = false;     // to leave what the hand had taken along
   int adapted_ = 0;              // times in this attempt

@@ -14,6 +14,7 @@ constexpr double kLeastWay = 0.01;     // of a path, that is gone back
 constexpr double kRelief = 0.25;       // of the way down's time: some 2 cm of 15
 constexpr double kSmallRelief = 0.17;  // the same: some 5 mm
 constexpr int kMostReliefs = 6;        // of fingers that open
+constexpr int kMostHits = 3;           // of a retreat
 constexpr double kBackOff = 0.003;     // m, from what the jaws touch: they are to slide past it
 
 }  // namespace
@@ -66,6 +67,35 @@ void ArmCycle::relieve(bool opens_on) {
   follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))),
                  opens_on_ ? kSmallRelief : kRelief),
          0, false);
+}
+
+// Between what stands beside its place a gripper's jaws do not open all the way.
+bool ArmCycle::leaves_jammed() {
+  if (step_ != Step::kRelease || !hand_.feels_its_grip()) return false;
+  const bool is_free = hand_.still_felt().empty();
+  const bool goes_up = !is_free && reliefs_ < kMostReliefs && is_at_place() && failure().empty() &&
+                       segment(motion::SegmentKind::kPlace) != nullptr;
+  if (!is_free && !goes_up) return false;
+  add_surprise(SurpriseKind::kMotion, 1, 0,
+               is_free ? "leaves with jaws that are open so far" : "goes up and opens on");
+  if (goes_up) {
+    relieve(true);
+  } else {
+    ended(Outcome::kDone);
+  }
+  return true;
+}
+
+bool ArmCycle::retreats_on() {
+  const JointTrajectory* way = segment(motion::SegmentKind::kRetreat);
+  if (step_ != Step::kRetreat || way == nullptr || hits_ >= kMostHits) return false;
+  ++hits_;
+  add_surprise(SurpriseKind::kMotion, 1, 0, "goes on from where it hit something");
+  const double gone = nearest_on(*way, percepts_.names, percepts_.positions).share;
+  enter(Step::kRetreat, "arm: retreat, as what it hit may have given way");
+  follow(reversed(part_of(reversed(*way), std::max(1 - gone, kLeastWay))), options_.collision_force,
+         false, displaced);
+  return true;
 }
 
 void ArmCycle::open_hand(Step step, const std::string& detail) {

@@ -27,7 +27,7 @@ void ArmCycle::prepare_attempt() {
   clears_ = false;
   lowered_.reset();
   put_down_ = false;
-  reliefs_ = 0;
+  reliefs_ = hits_ = 0;
   opened_less_ = false;
   adapted_ = 0;
   shifted_.clear();
@@ -47,6 +47,7 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kApproach:
     case Primitive::kTouch:
     case Primitive::kProbe:
+    case Primitive::kPush:
       return open_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
     case Primitive::kGrasp: {
       if (is_probe()) return ended(Outcome::kDone);  // it has felt all that it is to feel

@@ -44,6 +44,7 @@ double ArmCycle::felt_contact(double borne) const {
 
 void ArmCycle::after_approach(MotionStatus status) {
   const bool touches = status == MotionStatus::kContact;
+  if (grasp().pushes) return ended(Outcome::kDone);
   if (is_probe()) {
     if (!touches) return ended(Outcome::kDone, "it met nothing");
     return enter(Step::kMet, "feeling what the fingertip has met");

@@ -33,6 +33,7 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   double slip_settle_time = 0.1;  // s
   double largest_slide = 0.008;   // m
   double probe_force = 1;         // N
+  double push_force = 40;         // N
   HoldingOptions holding;
   touch::HoldSlipOptions slip;
 
@@ -85,6 +86,8 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{"probe_force", self.probe_force, "N", 0.1, 100,
                "at the wrist, at which a fingertip that probes the object is stopped; a pad that "
                "touches stops it, too"});
+    visit(Knob{"push_force", self.push_force, "N", 1, 1000,
+               "at the wrist, at which a push along the table is stopped"});
     visit(Knob{"slip_settle_time", self.slip_settle_time, "s", 0, 10,
                "for the force to rise, before it is watched again whether what is held slips"});
     visit(

@@ -1,4 +1,4 @@
-// What the cycle of arm and hand does with a probe of one fingertip.
+// What the cycle of arm and hand does with what is no grasp: a probe of one fingertip, and a push.
 
 #include <algorithm>
 
@@ -11,6 +11,13 @@ std::optional<int> ArmCycle::probe_grasp() const {
                                   [](const ArmGrasp& one) { return one.probe_H.has_value(); });
   if (probe == grasps_.end()) return std::nullopt;
   return static_cast<int>(probe - grasps_.begin());
+}
+
+std::optional<int> ArmCycle::push_grasp() const {
+  const auto push =
+      std::find_if(grasps_.begin(), grasps_.end(), [](const ArmGrasp& one) { return one.pushes; });
+  if (push == grasps_.end()) return std::nullopt;
+  return static_cast<int>(push - grasps_.begin());
 }
 
 std::optional<Eigen::Vector3d> ArmCycle::met_with_H() const {

@@ -46,6 +46,10 @@ struct ArmGrasp {
   /// It is no grasp but a probe: the fingertip's foremost point on its way, in the hand's root
   /// frame [m]. Unset: a grasp.
   std::optional<Eigen::Vector3d> probe_H;
+  /// It is no grasp but a push: its approach goes on through what the hand meets.
+  bool pushes = false;
+
+  bool is_grasp() const { return !probe_H && !pushes; }
 };
 
 /// "grasp 2 (score 0.71, held in 80 % of the disturbed trials)".

@@ -30,6 +30,8 @@ std::string to_string(Phase phase) {
       return "done";
     case Phase::kFailed:
       return "failed";
+    case Phase::kPush:
+      return "push";
   }
   return "unknown";
 }
@@ -68,6 +70,8 @@ Phase Cycle::phase() const {
     case Primitive::kTouch:
     case Primitive::kProbe:
       return Phase::kApproach;
+    case Primitive::kPush:
+      return Phase::kPush;
     case Primitive::kGrasp:
       return Phase::kGrasp;
     case Primitive::kLift:
@@ -91,8 +95,8 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   failure_.clear();
   achieved_.clear();
   path_.clear();
-  grasp_index_ = attempts_ = touches_ = looks_ = given_up_ = 0;
-  looking_ = any_object_ = at_place_ = touched_ = probed_ = viewing_ = false;
+  grasp_index_ = attempts_ = touches_ = looks_ = given_up_ = pushes_ = 0;
+  looking_ = any_object_ = at_place_ = touched_ = probed_ = viewing_ = pushed_ = false;
   after_view_ = nullptr;
   advice_ = std::move(advice);
   entered_ = now_;
@@ -101,7 +105,8 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   order_.start(std::move(grasps));
   if (advice_.first && !none) order_.prefer(*advice_.first);
   fresh_ = true;
-  if (none) finish(false, problem.empty() ? "the plan has no grasps" : problem);
+  stuck_ = problem.empty() ? "the plan has no grasps" : problem;
+  if (none && !(task().does(Primitive::kPush) && push_grasp())) finish(false, stuck_);
 }
 
 void Cycle::begin_task() {
@@ -119,6 +124,7 @@ void Cycle::enter(int state) {
   if (action.primitive == Primitive::kDecide) return decide();
   if (action.primitive == Primitive::kView) return view();
   if (action.primitive == Primitive::kProbe) return probe(action);
+  if (action.primitive == Primitive::kPush) return push(action);
   begin(action);
 }
 
@@ -129,6 +135,7 @@ void Cycle::ended(Outcome outcome, const std::string& reason) {
   if (outcome == Outcome::kDone && state.action.primitive == Primitive::kRetreat && at_place_ &&
       failure_.empty()) {
     ++result_.placed;
+    pushes_ = given_up_ = 0;
   }
   int next = state.next.at(outcome);
   if (outcome == Outcome::kDone && state.times > 0 && ++done_[index] >= state.times) {
@@ -169,8 +176,15 @@ void Cycle::abort(const std::string& reason) {
 // The first grasp of a plan, or another after a failure, or of another object.
 void Cycle::look() {
   if (fresh_) {
-    const std::optional<int> first = order_.next();
-    return attempt(first.value_or(0));
+    if (const std::optional<int> first = order_.next()) return attempt(*first);
+    fresh_ = false;
+    return ended(Outcome::kNothing, stuck_);
+  }
+  if (std::exchange(pushed_, false)) {
+    failure_.clear();
+    any_object_ = true;
+    if (shared_.look_timeout > 0) return clear_view();
+    return ended(Outcome::kNothing, "nothing new is seen, as look_timeout is 0");
   }
   // A probe that failed is no reason to leave a grasp.
   if (touched_ && (failure_.empty() || probed_)) {
@@ -278,6 +292,27 @@ void Cycle::probe(const Action& action) {
   begin(action);
 }
 
+void Cycle::push(const Action& action) {
+  const std::optional<int> index = push_grasp();
+  const char* why = nullptr;
+  if (!index) {
+    why = "nothing is to be pushed";
+  } else if (pushes_ >= shared_.largest_pushes) {
+    why = "things were pushed as often as largest_pushes allows";
+  }
+  if (why) return ended(Outcome::kNothing, stuck_ + (stuck_.empty() ? "" : "; ") + why);
+  ++pushes_;
+  ++result_.pushes;
+  pushed_ = true;
+  given_up_ = 0;
+  at_place_ = touched_ = probed_ = false;
+  failure_.clear();
+  grasp_index_ = *index;
+  attempts_surprises_ = surprises_.size();
+  prepare_attempt();
+  begin(action);
+}
+
 void Cycle::feel_with(int grasp_index) {
   --result_.attempts;
   order_.put_back(grasp_index_);
@@ -343,6 +378,7 @@ void Cycle::next_grasp(const std::string& why) {
   if (any_object_) {
     const std::string left =
         given_up_ == 0 ? why : fmt::format("{} given up: {}", given_up_, failed_attempts_.text());
+    stuck_ = left;
     return ended(given_up_ > 0 ? in_vain() : Outcome::kNothing, left);
   }
   const std::optional<int> next = order_.next();

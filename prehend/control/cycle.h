@@ -28,6 +28,7 @@ enum class Phase {
   kRelease,
   kDone,
   kFailed,
+  kPush,
 };
 
 /// "waiting", "approach", ...
@@ -46,6 +47,7 @@ struct CycleResult {
   int attempts = 0;     // to lift something
   int touches = 0;      // of objects that were felt before
   int looks = 0;        // from elsewhere, at objects that nothing had touched
+  int pushes = 0;       // of what could not be grasped as it stood
   int plans = 1;        // that were used: 1 + those taken after a new look
   int placed = 0;       // objects that were put at their place
 
@@ -60,6 +62,7 @@ struct SharedCycleOptions {
   int largest_attempts = 3;  // > 0, with one object
   int largest_touches = 1;   // >= 0, of one object, before it is lifted (`decide`)
   int largest_looks = 1;     // >= 0, the same, from elsewhere, by a camera that the arm carries
+  int largest_pushes = 5;    // >= 0, one after the other, while nothing is put at a place (`push`)
   double stale_time = 0.25;  // s
   double answer_time = 2;    // s
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
@@ -82,6 +85,9 @@ struct SharedCycleOptions {
                "of one object before it is lifted, where the task decides"});
     visit(Knob{"largest_looks", self.largest_looks, "", 0, 10,
                "from elsewhere, at one object before it is lifted, where the task decides"});
+    visit(Knob{"largest_pushes", self.largest_pushes, "", 0, 100,
+               "one after the other, where the task pushes what cannot be grasped as it stands, "
+               "while nothing is put at its place"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -96,7 +102,12 @@ struct SharedCycleOptions {
 /// when none come it takes the next grasp of the plan before. Grasps like one that failed come last
 /// in either. It fails when `largest_attempts` were made. With a task of all objects it goes on
 /// with the others then (any_object()), finds nothing when none is left, and fails when only those
-/// are left that it gave up.
+/// are left that it gave up. What was given up is tried again once something else was put at its
+/// place or pushed, as it lies otherwise then.
+///
+/// `push` moves what has no grasp by what a look has for that, when that look has no grasp of any
+/// object; `largest_pushes` times, until something was put at its place. `look` looks for any
+/// object then. A task that pushes begins without grasps, too, where there is a push.
 ///
 /// `probe` touches the object with what the plan has for that, `largest_touches` times at most.
 /// `view` looks from elsewhere by what the plan has for that, and `decide` follows the plan's
@@ -127,7 +138,8 @@ class Cycle {
   /// It waits for a plan of any object that is at no place and was not given up; else of the one of
   /// the last attempt.
   bool any_object() const { return any_object_; }
-  /// How many objects were given up so far: the last attempt's is the newest of them.
+  /// How many objects were given up since something was put at its place or pushed: the last
+  /// attempt's is the newest of them.
   int given_up() const { return given_up_; }
   /// Stops all motion and ends as failed.
   void abort(const std::string& reason);
@@ -143,6 +155,8 @@ class Cycle {
   virtual void clear_view() = 0;
   /// The grasp of the plan that is none but a probe, by its index; none: the plan has no probe.
   virtual std::optional<int> probe_grasp() const { return std::nullopt; }
+  /// The one that is none but a push; none: nothing is to be pushed.
+  virtual std::optional<int> push_grasp() const { return std::nullopt; }
   /// Brings the camera to the end of `way` and calls look_now(), or look_failed() where it cannot.
   virtual void go_to_view(const JointTrajectory& way) = 0;
   /// Back from there as far as it came; calls view_left().
@@ -196,6 +210,7 @@ class Cycle {
   void look();
   void decide();
   void probe(const Action& action);
+  void push(const Action& action);
   void view();
   void look_from_elsewhere(const Advice& advice);
   /// From the view back, and then.
@@ -217,6 +232,9 @@ class Cycle {
   bool any_object_ = false, at_place_ = false;
   bool touched_ = false;                        // the present object, and no attempt was made since
   bool probed_ = false;                         // that was no grasp of the plan
+  bool pushed_ = false;                         // something, and nobody has looked since
+  int pushes_ = 0;                              // since something was put at its place
+  std::string stuck_;                           // why a look gave no grasp of any object
   int attempts_ = 0, touches_ = 0, looks_ = 0;  // with the present object
   bool viewing_ = false;                        // the camera is, or goes, where it looks from
   std::function<void()> after_view_;            // on the way back from there

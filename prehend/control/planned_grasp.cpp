@@ -32,6 +32,16 @@ JointTrajectory sampled(const robot::KinematicChain& chain,
   return path;
 }
 
+// Of what is planned like a grasp, a probe or a push.
+template <class Planned>
+std::optional<ArmGrasp> way_of(const robot::Platform& platform, const Planned& planned) {
+  if (planned.segments.empty()) return std::nullopt;
+  planning::PlannedPick pick;
+  pick.grasp = planned.hand;
+  pick.segments = planned.segments;
+  return arm_grasp(platform, pick);
+}
+
 }  // namespace
 
 ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick& pick) {
@@ -83,12 +93,15 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
 
 std::optional<ArmGrasp> arm_probe(const robot::Platform& platform,
                                   const planning::PlannedProbe& probe) {
-  if (probe.segments.empty()) return std::nullopt;
-  planning::PlannedPick pick;
-  pick.grasp = probe.hand;
-  pick.segments = probe.segments;
-  ArmGrasp result = arm_grasp(platform, pick);
-  result.probe_H = probe.tip_H;
+  std::optional<ArmGrasp> result = way_of(platform, probe);
+  if (result) result->probe_H = probe.tip_H;
+  return result;
+}
+
+std::optional<ArmGrasp> arm_push(const robot::Platform& platform,
+                                 const planning::PlannedPush& push) {
+  std::optional<ArmGrasp> result = way_of(platform, push);
+  if (result) result->pushes = true;
   return result;
 }
 

@@ -16,6 +16,10 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
 std::optional<ArmGrasp> arm_probe(const robot::Platform& platform,
                                   const planning::PlannedProbe& probe);
 
+/// The same of a planned push.
+std::optional<ArmGrasp> arm_push(const robot::Platform& platform,
+                                 const planning::PlannedPush& push);
+
 /// The way of the arm to a planned look, sampled as a grasp's segments; without points: there is
 /// none.
 JointTrajectory look_way(const robot::Platform& platform, const planning::PlannedLook& look);

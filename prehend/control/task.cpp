@@ -38,6 +38,8 @@ std::string to_string(Primitive primitive) {
       return "view";
     case Primitive::kInspect:
       return "inspect";
+    case Primitive::kPush:
+      return "push";
   }
   return "unknown";
 }
@@ -68,6 +70,7 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
     case Primitive::kLook:
     case Primitive::kTouch:
     case Primitive::kProbe:
+    case Primitive::kPush:
       return nothing;
     case Primitive::kApproach:
     case Primitive::kGrasp:

@@ -28,6 +28,7 @@ enum class Primitive {
              // something
   kInspect,  // turns what is held before a camera, and looks at it from each of the plan's views
   kView,     // brings the camera that the arm carries to the plan's look, looks, and comes back
+  kPush,     // of what cannot be grasped as it stands: along the table, as the plan says
 };
 
 /// How an action ends.
@@ -36,7 +37,8 @@ enum class Outcome {
   kNothing,  // look: none is left; touch: met nothing; move: the plan has no place; decide: it
              // is not worth an attempt; probe: the plan has none, or it was felt enough; inspect:
              // the plan has no views, or nobody looks; view: the plan has no look, it was looked
-             // at enough, or the look gave no grasp
+             // at enough, or the look gave no grasp; push: the plan has none, or it was pushed
+             // enough
   kFailed,
   kLost,      // what was held is
   kDoubtful,  // decide: it is to be felt first

@@ -102,6 +102,8 @@ Rule rule_of(const Action& action) {
       return {{kChosen}, kChosen, {{Outcome::kNothing, kChosen}}};
     case Primitive::kProbe:
       return {{kChosen}, kAtObject, {{Outcome::kNothing, kChosen}}};
+    case Primitive::kPush:
+      return {{kAway}, kAtObject, {{Outcome::kNothing, kAway}}};
     case Primitive::kInspect:
       return {{kRaised}, kRaised, {{Outcome::kNothing, kRaised}, {Outcome::kFailed, kRaised}}};
     case Primitive::kWait:

@@ -22,7 +22,7 @@ constexpr Primitive kPrimitives[] = {Primitive::kLook,    Primitive::kApproach, 
                                      Primitive::kGrasp,   Primitive::kLift,     Primitive::kMove,
                                      Primitive::kPlace,   Primitive::kRelease,  Primitive::kWait,
                                      Primitive::kRetreat, Primitive::kDecide,   Primitive::kProbe,
-                                     Primitive::kInspect, Primitive::kView};
+                                     Primitive::kInspect, Primitive::kView,     Primitive::kPush};
 constexpr int kMostStates = 100;
 constexpr int kMostTimes = 1000;
 

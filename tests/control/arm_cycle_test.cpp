@@ -171,6 +171,34 @@ TEST(ArmCycle, GoesUpFromWhatItPressesOnBeforeItRetreats) {
   EXPECT_EQ(f.arm.forces[6], ArmCycleOptions{}.collision_force);
 }
 
+// Regression: what leant on a jaw stopped its retreat, fell off it, and the task had failed.
+TEST(ArmCycle, ARetreatGoesOnFromWhatItHasHitThreeTimes) {
+  constexpr MotionStatus kHit = MotionStatus::kContact;
+  for (const int hits : {1, 3, 4}) {
+    SCOPED_TRACE(hits);
+    Fakes f;
+    ArmCycle cycle({}, f.arm, f.hand);
+    cycle.step(f.now);
+    cycle.start({fake_grasp()});
+    for (int i = 0; i < hits; ++i) f.arm.says[static_cast<std::size_t>(6 + i)] = kHit;
+    for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
+      f.now.time += 0.02;
+      const std::size_t asked = f.arm.asked.size();
+      if (f.arm.says.contains(asked)) f.arm.position = {5 + 0.2 * static_cast<double>(asked - 5)};
+      cycle.step(f.felt());
+    }
+    EXPECT_EQ(cycle.result().success(), hits <= 3) << cycle.result().reason;
+    EXPECT_EQ(f.arm.asked.size(), static_cast<std::size_t>(6 + std::min(hits, 3)));
+    EXPECT_NEAR(f.arm.asked.back().points.front().position[0], 5 + 0.2 * std::min(hits, 3), 0.01)
+        << "from where it was hit";
+    EXPECT_NEAR(f.arm.asked.back().points.back().position[0], 6, 0.01) << "to where it was to end";
+    EXPECT_EQ(f.arm.forces.back(), ArmCycleOptions{}.collision_force);
+    if (hits > 3) {
+      EXPECT_THAT(cycle.result().reason, HasSubstr("the arm hit something"));
+    }
+  }
+}
+
 // Regression: every object that met the table where it was to stand was a surprise.
 TEST(ArmCycle, WhatBearsTheObjectSurprisesHighAboveItsPlaceOnly) {
   for (const double touch_time : {0.4, 1.9}) {  // s, of the way down's 2 s

@@ -33,6 +33,8 @@ class FakeWorld {
   double needed_force = 0;  // N: with less it slides through the pads when it is lifted
   double finger_stop = 0;   // m, of the opening, where the fingers meet the object beside the pads
   bool jammed = false;      // the jaws do not move
+  /// m, of the hand, 0.1 m beside where the object stood: below it the jaws open no farther.
+  double jam_height = -1, jam_opening = 0;
   bool arm_stuck = false;
 
   ArmPercepts percepts() {
@@ -105,7 +107,7 @@ class FakeWorld {
   MotionStatus jaw_motion() const {
     if (is_silent("gripper motion")) return MotionStatus::kMoving;
     if (std::abs(opening_ - opening_target_) < 1e-6) return MotionStatus::kReached;
-    return jammed ? MotionStatus::kContact : MotionStatus::kMoving;
+    return jammed || is_jammed_beside() ? MotionStatus::kContact : MotionStatus::kMoving;
   }
   void stop_jaws() { stopped_ = true; }
   bool arm_moving() const { return arm_moving_; }
@@ -144,8 +146,11 @@ class FakeWorld {
     const double sum = gain * force();
     return {sum, sum > 0.3 ? 9e-4 : 0};
   }
+  bool is_jammed_beside() const {
+    return position_mode_ && p_WG_.y() > 0.1 && height() < jam_height && opening_ >= jam_opening;
+  }
   void move_jaws() {
-    if (stopped_ || jammed) return;
+    if (stopped_ || jammed || is_jammed_beside()) return;
     if (position_mode_) {
       const double step = jaw_speed_ * kStep;
       opening_ += std::clamp(opening_target_ - opening_, -step, step);

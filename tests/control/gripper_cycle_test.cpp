@@ -77,6 +77,37 @@ TEST_F(GripperCycleTest, SlippedObjectIsNoticedAfterTheLift) {
       << cycle.result().reason;
 }
 
+// Regression: between things that stood beside the place the jaws did not open, and the task ended.
+TEST_F(GripperCycleTest, JawsThatCannotOpenAtThePlaceGoUpUntilTheyCan) {
+  world.jam_opening = 0.0497;  // m, where the object is still held
+  world.jam_height = 0.05;
+  run(1);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_NEAR(world.opening(), 0.069, 1e-6);
+  const auto ups = std::count_if(
+      cycle.surprises().begin(), cycle.surprises().end(),
+      [](const Surprise& s) { return s.reaction.find("goes up") != std::string::npos; });
+  EXPECT_GT(ups, 0);
+}
+
+TEST_F(GripperCycleTest, JawsThatNeverOpenAtThePlaceEndTheTask) {
+  world.jam_opening = 0.0497;
+  world.jam_height = 1;
+  run(1);
+  EXPECT_FALSE(cycle.result().success());
+  EXPECT_NE(cycle.result().reason.find("the gripper does not open"), std::string::npos)
+      << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, JawsThatFeelNothingAnyMoreLeaveHoweverFarTheyAreOpen) {
+  world.jam_opening = 0.055;
+  world.jam_height = 1;
+  run(1);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_LT(world.opening(), 0.06);
+  EXPECT_GT(world.height(), 0.1) << "it has left";
+}
+
 TEST_F(GripperCycleTest, WhatSlipsIsHeldHarderAndStays) {
   world.needed_force = 15;
   run(1);

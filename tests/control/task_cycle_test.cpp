@@ -101,6 +101,15 @@ TEST_F(TaskOfTheGripper, GoesOnWithTheOthersWhereOneCannotBeHeld) {
   clearing.take_plan({grasp_at(0.2)});
   run_until_it_looks(clearing);
   EXPECT_EQ(clearing.result().placed, 1);
+  // It lies otherwise, perhaps, now that another is gone.
+  EXPECT_EQ(clearing.given_up(), 0);
+  world.object_x = 0.2;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    clearing.take_plan({grasp_at(0.03 * attempt)});
+    run_until_it_looks(clearing);
+  }
+  EXPECT_TRUE(clearing.any_object());
+  EXPECT_EQ(clearing.given_up(), 1);
   clearing.take_plan({}, "none is left");
   EXPECT_FALSE(clearing.result().success()) << "one was given up";
   EXPECT_THAT(clearing.result().reason, HasSubstr("1 given up"));
@@ -174,6 +183,67 @@ TEST_F(TaskOfTheGripper, FeelsNoMoreThanItMay) {
   EXPECT_TRUE(deciding.result().success()) << deciding.result().reason;
   EXPECT_EQ(deciding.result().touches, 1);
   EXPECT_EQ(deciding.result().plans, 2);
+}
+
+ArmGrasp pushing(ArmGrasp grasp) {
+  grasp.pushes = true;
+  grasp.segments.resize(2);
+  return grasp;
+}
+
+// Where nothing can be grasped things are pushed, looked at, and picked when that has helped.
+TEST_F(TaskOfTheGripper, PushesWhatCannotBeGraspedAsItStands) {
+  ArmCycle clearing{doing(task_named("clear_table")), arm, hand};
+  world.obstacle_height = 0.06;  // m: what it pushes, on the way
+  clearing.start({pushing(grasp_at(0))}, "between others");
+  bool pushed = false;
+  for (int i = 0; i < 60000 && !clearing.finished() && !clearing.looks_since(); ++i) {
+    pushed = pushed || clearing.phase() == Phase::kPush;
+    step(clearing);
+  }
+  ASSERT_TRUE(clearing.looks_since()) << clearing.result().reason;
+  EXPECT_TRUE(pushed);
+  EXPECT_TRUE(clearing.any_object());
+  EXPECT_EQ(clearing.result().pushes, 1);
+  EXPECT_EQ(clearing.result().attempts, 0) << "a push is no attempt";
+  EXPECT_NEAR(world.height(), 0.4, 0.01) << "out of the view";
+  world.obstacle_height = -1;
+  clearing.take_plan({grasp_at(0)});
+  run_until_it_looks(clearing);
+  EXPECT_EQ(clearing.result().placed, 1);
+  clearing.take_plan({}, "none is left");
+  EXPECT_TRUE(clearing.result().success()) << clearing.result().reason;
+  EXPECT_THAT(states_of(clearing),
+              ElementsAre("look", "push", "back", "look", "approach", "grasp", "lift", "carry",
+                          "put_down", "release", "back", "look", "push", "success"));
+}
+
+TEST_F(TaskOfTheGripper, PushesNoMoreThanItMayWhileNothingIsPutDown) {
+  ArmCycleOptions options = doing(task_named("clear_table"));
+  options.largest_pushes = 2;
+  ArmCycle clearing{options, arm, hand};
+  clearing.start({pushing(grasp_at(0))}, "between others");
+  for (int push = 0; push < 2; ++push) {
+    run_until_it_looks(clearing);
+    clearing.take_plan({pushing(grasp_at(0.01 * push))}, "still between others");
+  }
+  EXPECT_TRUE(clearing.finished());
+  EXPECT_EQ(clearing.result().pushes, 2);
+  EXPECT_THAT(clearing.result().reason,
+              AllOf(HasSubstr("still between others"), HasSubstr("largest_pushes")));
+  // A push of before is not done again when a look has none.
+  ArmCycle once{doing(task_named("clear_table")), arm, hand};
+  once.start({pushing(grasp_at(0))}, "between others");
+  run_until_it_looks(once);
+  once.take_plan({}, "it is too wide");
+  EXPECT_TRUE(once.finished());
+  EXPECT_EQ(once.result().pushes, 1);
+  EXPECT_THAT(once.result().reason, HasSubstr("too wide"));
+  // A task that does not push ends without grasps, as ever.
+  ArmCycle picking{doing(task_named("pick_and_place")), arm, hand};
+  picking.start({pushing(grasp_at(0))}, "between others");
+  EXPECT_TRUE(picking.finished());
+  EXPECT_THAT(picking.result().reason, HasSubstr("between others"));
 }
 
 ArmGrasp probing(ArmGrasp grasp) {

@@ -74,6 +74,7 @@ TEST(ClearResult, IsTheSameWhenItIsReadAgain) {
   result.cleared = 4;
   result.found = 5;
   result.attempts = 7;
+  result.pushes = 2;
   result.neighbours = 1;
   result.simulated = 120.5;
   result.seconds = 33.25;
@@ -90,6 +91,7 @@ TEST(ClearResult, IsTheSameWhenItIsReadAgain) {
   EXPECT_EQ(read.cleared, result.cleared);
   EXPECT_EQ(read.found, result.found);
   EXPECT_EQ(read.attempts, result.attempts);
+  EXPECT_EQ(read.pushes, result.pushes);
   EXPECT_EQ(read.neighbours, result.neighbours);
   EXPECT_EQ(read.simulated, result.simulated);
   EXPECT_EQ(read.seconds, result.seconds);

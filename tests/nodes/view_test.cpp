@@ -75,6 +75,34 @@ TEST(ViewCollector, OfWhatWasSeenSinceAStamp) {
   EXPECT_EQ(view->plans.at(0)->header().stamp(), 9);
 }
 
+std::shared_ptr<msgs::GraspPlan> push(std::uint32_t id, double room) {
+  auto message = plan(id, 0);
+  message->mutable_push()->set_score(room);
+  message->mutable_push()->add_arm();
+  message->mutable_push()->add_hand_joint_name("jaw");
+  message->mutable_push()->add_open_position(0);
+  message->mutable_push()->add_closed_position(0);
+  return message;
+}
+
+TEST(ChoosePush, TakesTheOneWithMostRoom) {
+  const OfObject none_left_out = [](const msgs::GraspPlan&) { return false; };
+  const OfObject second_left_out = [](const msgs::GraspPlan& one) { return one.id() == 2; };
+  View view;
+  EXPECT_EQ(choose_push(view, none_left_out), nullptr);
+  view.plans[0] = plan(0, 0);
+  EXPECT_EQ(choose_push(view, none_left_out), nullptr);
+  view.plans[1] = push(1, 0.4);
+  view.plans[2] = push(2, 1);
+  view.plans[3] = push(3, 0.9);
+  EXPECT_EQ(choose_push(view, none_left_out)->id(), 2u);
+  EXPECT_EQ(choose_push(view, second_left_out)->id(), 3u);
+  auto without_motion = push(4, 1);
+  without_motion->mutable_push()->clear_arm();
+  view.plans[4] = without_motion;
+  EXPECT_EQ(choose_push(view, second_left_out)->id(), 3u) << "none can be made";
+}
+
 TEST(NearestObject, IsTheOneWhoseCentroidIsNearest) {
   auto near = plan(4, 0.5), far = plan(7, 0.9);
   *near->mutable_centroid() = convert::to_message(Eigen::Vector3d(0.1, 0, 0.05));
