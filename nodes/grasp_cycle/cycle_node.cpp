@@ -90,7 +90,8 @@ CycleNode::CycleNode(graph::Node& node)
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))),
       tasks_(node.advertise<msgs::Task>("/cycle/task", graph::QoS::latched(1))),
       evidence_(node.advertise<msgs::AttemptEvidence>("/cycle/evidence", graph::QoS::latched(32))),
-      percepts_(node.advertise<msgs::ActPercepts>("/cycle/percepts", graph::QoS::latched(32))) {
+      percepts_(node.advertise<msgs::ActPercepts>("/cycle/percepts", graph::QoS::latched(32))),
+      placed_(node.advertise<msgs::ObjectModel>("/placed", graph::QoS::latched(64))) {
   tasks_.publish(convert::to_message(task_, node_.clock().now()));
   predicted_.listen();
   subscribe();
@@ -189,6 +190,7 @@ void CycleNode::tick() {
       robot_->step();
       publish_evidence();
       publish_percepts();
+      publish_placed();
       if (const auto since = robot_->cycle().looks_since()) look_again(*since);
     });
     if (!failure.empty()) robot_->cycle().abort("a step of the cycle failed: " + failure);
@@ -250,9 +252,9 @@ void CycleNode::start(const View& view) {
         fmt::format("the parameter grasp is {}, of no object: set object, too", grasp_));
   }
   const Target target = target_in(view, object_);
-  target_ = target.id;
   if (target.grasps.empty()) {
     if (!target.none_left && prepares_push(view)) return begin(grasp::in_words(target));
+    target_ = target.id;
     control::CycleResult nothing;
     if (target.none_left) nothing.outcome = CycleOutcome::kSucceeded;
     if (target.outcome == grasp::PlanOutcome::kUngraspable) {
@@ -261,9 +263,7 @@ void CycleNode::start(const View& view) {
     nothing.reason = target.problem;
     return finish(nothing);
   }
-  const msgs::GraspPlan& plan = *view.plans.at(target.id);
-  centroid_W_ = convert::from_message(plan.centroid());
-  view_stamp_ = plan.header().stamp();
+  take_target(view, target.id);
   const std::string destination =
       robot_->prepare(view, target, grasp_ < 0 ? std::nullopt : std::optional(grasp_));
   node_.log_info(
@@ -282,6 +282,15 @@ void CycleNode::start(const View& view) {
   });
 }
 
+void CycleNode::take_target(const View& view, std::uint32_t id) {
+  target_ = id;
+  target_plan_ = view.plans.at(id);
+  const auto model = view.models.find(id);
+  target_model_ = model == view.models.end() ? nullptr : model->second;
+  centroid_W_ = convert::from_message(target_plan_->centroid());
+  view_stamp_ = target_plan_->header().stamp();
+}
+
 bool CycleNode::prepares_push(const View& view) {
   // Of predicted objects in a simulation only the target can be moved.
   if (!task_.does(control::Primitive::kPush) || predicted_.wanted()) return false;
@@ -289,16 +298,14 @@ bool CycleNode::prepares_push(const View& view) {
       choose_push(view, [this](const msgs::GraspPlan& one) { return is_settled(one); });
   if (!plan) return false;
   robot_->prepare_push(*plan);
-  target_ = plan->id();
-  centroid_W_ = convert::from_message(plan->centroid());
-  view_stamp_ = plan->header().stamp();
+  take_target(view, plan->id());
   node_.log_info("nothing can be grasped: object {} is to be pushed", target_);
   return true;
 }
 
 void CycleNode::begin(const std::string& problem) {
   surprises_sent_ = surprises_before_ = 0;
-  evidence_sent_ = loads_sent_ = looks_sent_ = percepts_sent_ = 0;
+  evidence_sent_ = loads_sent_ = looks_sent_ = percepts_sent_ = placed_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
@@ -347,10 +354,7 @@ void CycleNode::look_again(double since) {
       return robot_->take_nothing(problem);
     }
     const std::string destination = robot_->prepare(*view, target);
-    target_ = target.id;
-    const msgs::GraspPlan& plan = *view->plans.at(target_);
-    centroid_W_ = convert::from_message(plan.centroid());
-    view_stamp_ = plan.header().stamp();
+    take_target(*view, target.id);
     node_.log_info("seen again: grasping object {}, {} grasps; it is {}", target.id,
                    target.grasps.size(), destination);
     robot_->take_prepared();
@@ -383,6 +387,18 @@ void CycleNode::publish_evidence() {
     *message.mutable_load() = convert::to_message(watch.load().found());
     publish(std::move(message));
   }
+}
+
+void CycleNode::publish_placed() {
+  const control::CycleResult& result = robot_->cycle().result();
+  if (result.placed == placed_sent_) return;
+  placed_sent_ = result.placed;
+  if (!target_model_ || !target_model_->valid()) return;
+  const msgs::Grasp& grasp = target_plan_->grasps(result.grasp_index);
+  if (!grasp.has_move()) return;
+  geometry::RigidTransform X_moved = geometry::RigidTransform::Identity();
+  X_moved.translation() = convert::from_message(grasp.move());
+  placed_.publish(moved_model(*target_model_, X_moved));
 }
 
 void CycleNode::publish_percepts() {

@@ -43,11 +43,15 @@ class CycleNode {
   /// Gets ready to push something of a view without grasps; false: the task does not push, or
   /// nothing is to be pushed.
   bool prepares_push(const View& view);
+  /// What is tried from now on.
+  void take_target(const View& view, std::uint32_t id);
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   void publish_progress();
   /// What an attempt has found out, once it lifts or has failed.
   void publish_evidence();
+  /// What was put at its place, as it was predicted, where it stands now.
+  void publish_placed();
   /// What it has perceived, once it has closed, and lifted or not.
   void publish_percepts();
   void publish_state(control::Phase phase, int grasp_index, const std::string& detail);
@@ -72,11 +76,15 @@ class CycleNode {
   graph::Publisher<msgs::Task> tasks_;
   graph::Publisher<msgs::AttemptEvidence> evidence_;
   graph::Publisher<msgs::ActPercepts> percepts_;
+  graph::Publisher<msgs::ObjectModel> placed_;
   std::vector<graph::Subscription> subscriptions_;
   graph::Service start_service_, stop_service_;
   graph::Node::Timer timer_;
 
   std::uint32_t target_ = 0;
+  std::shared_ptr<const msgs::GraspPlan> target_plan_;     // of the target
+  std::shared_ptr<const msgs::ObjectModel> target_model_;  // null: it has not come
+  int placed_sent_ = 0;
   std::int64_t view_stamp_ = 0;  // ns, of the view that its grasps were planned on
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   std::vector<Eigen::Vector3d> given_up_W_;               // m, where objects were given up

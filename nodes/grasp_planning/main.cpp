@@ -16,6 +16,7 @@
 #include "msgs/convert/outcomes.h"
 #include "nodes/grasp_planning/grasp_records.h"
 #include "nodes/grasp_planning/model_batch.h"
+#include "nodes/grasp_planning/placed_objects.h"
 #include "nodes/grasp_planning/planner_parameters.h"
 #include "nodes/grasp_planning/touch_parameters.h"
 #include "nodes/gripper_source/gripper_source.h"
@@ -104,6 +105,11 @@ class GraspPlanning {
             node_.shield("camera", [&] { platform_->view_by(*camera); });
           });
     }
+    put_down_ = node_.subscribe<msgs::ObjectModel>(
+        "/placed", graph::QoS::latched(64), [this](const auto& model) {
+          node_.shield("what was put down is left out as an obstacle",
+                       [&] { placed_.add(*model); });
+        });
     joints_ = node_.subscribe<msgs::JointState>(
         "/joint_states", graph::QoS::latest(),
         [this](const auto& state) { platform_->start_from(*state); });
@@ -147,14 +153,8 @@ class GraspPlanning {
     obstacles_.clear();
     for (const auto& [id, model] : batch_.models()) {
       if (!model->valid()) continue;
-      node_.shield(fmt::format("object {} is left out as an obstacle", id), [&, id = id] {
-        planning::Neighbours own;
-        own.meshes_W.push_back(convert::from_message(model->mesh()));
-        for (const auto& piece : model->convex_pieces()) {
-          own.pieces_W.push_back(convert::from_message(piece));
-        }
-        obstacles_[id] = std::move(own);
-      });
+      node_.shield(fmt::format("object {} is left out as an obstacle", id),
+                   [&, id = id] { obstacles_[id] = nodes::neighbour_of(*model); });
     }
   }
 
@@ -220,7 +220,7 @@ class GraspPlanning {
   }
 
   planning::Neighbours neighbours_of(const msgs::ObjectModel& message) const {
-    planning::Neighbours all;
+    planning::Neighbours all = placed_.unseen(obstacles_);
     for (const auto& [id, own] : obstacles_) {
       if (id == message.id()) continue;
       all.meshes_W.insert(all.meshes_W.end(), own.meshes_W.begin(), own.meshes_W.end());
@@ -279,7 +279,8 @@ class GraspPlanning {
   double remedy_budget_left_ = 0;                            // s, of the view
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
-  graph::Subscription results_, joints_, camera_;
+  nodes::PlacedObjects placed_;
+  graph::Subscription results_, joints_, camera_, put_down_;
   graph::Node::Timer timer_;
 };
 

@@ -27,7 +27,8 @@ namespace prehend::control {
 /// A hand that feels its grip (HandPort) decides by its pads and its opening instead of the weight.
 /// Where it touches something on the approach it lets go; with `reacts` and near the approach's end
 /// (`largest_shortfall`), where its pads are beside the object already, it goes back from what is
-/// under its jaws and closes there.
+/// under its jaws and closes there. Farther off it closes where a pad feels something: that is
+/// between the jaws.
 ///
 /// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
 /// the pads that touch feel it; what pads do not say is not compared.

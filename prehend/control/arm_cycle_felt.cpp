@@ -55,11 +55,15 @@ void ArmCycle::after_approach(MotionStatus status) {
   if (touches && hand_.feels_its_grip()) {
     // What stands in a jaw's way is not between the jaws, but the object may be by now.
     const double felt = felt_contact(0);
-    const bool closes = back_off();
+    // A pad that feels it has it between the jaws, wedged: left so, the open hand takes it along.
+    const bool goes_back = back_off(),
+               is_between = options_.reacts && options_.largest_shortfall > 0 && hand_.touches();
     add_surprise({SurpriseKind::kTouchedTooEarly, 0, felt, 0, true,
-                  closes ? "goes back a little and closes there" : "lets go and looks again"});
-    if (!closes) fail("touched something on the approach");
-    return;
+                  goes_back ? "goes back a little and closes there"
+                            : (is_between ? "closes there" : "lets go and looks again")});
+    if (goes_back) return;
+    if (is_between) return ended(Outcome::kDone);
+    return fail("touched something on the approach");
   }
   if (touches) {
     const bool adapts = feel();

@@ -60,8 +60,8 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(
         Knob{"largest_shortfall", self.largest_shortfall, "m", 0, 0.1,
              "with reacts, of a gripper that regulates its grip: jaws that touch something on the "
-             "approach no farther than this before its end go back a little and close there; 0: "
-             "they let go"});
+             "approach no farther than this before its end go back a little and close there, and "
+             "farther off close where a pad feels it; 0: they let go"});
     visit(Knob{"shift_tolerance", self.shift_tolerance, "m", 0.0005, 0.1,
                "with reacts: a thing that the fingers feel this much beside its prediction is not "
                "in the hand's middle"});

@@ -30,9 +30,10 @@ class FakeWorld {
   bool lost_when_carried = false;
   double obstacle_height = -1;  // m, touched by the approaching hand
   double left_gain = 1, right_gain = 1;
-  double needed_force = 0;  // N: with less it slides through the pads when it is lifted
-  double finger_stop = 0;   // m, of the opening, where the fingers meet the object beside the pads
-  bool jammed = false;      // the jaws do not move
+  double needed_force = 0;   // N: with less it slides through the pads when it is lifted
+  double finger_stop = 0;    // m, of the opening, where the fingers meet the object beside the pads
+  double wedged_below = -1;  // m, of the hand: the left pad touches the object on the approach
+  bool jammed = false;       // the jaws do not move
   /// m, of the hand, 0.1 m beside where the object stood: below it the jaws open no farther.
   double jam_height = -1, jam_opening = 0;
   bool arm_stuck = false;
@@ -49,6 +50,9 @@ class FakeWorld {
     for (const auto& [name, gain] :
          {std::pair("left", left_gain), std::pair("right", right_gain)}) {
       PadPercept felt = is_silent(name) ? silent_.at(name).pad : pad(gain);
+      const bool wedged = height() < wedged_below && name == std::string("left") &&
+                          opening_ > object_width && object_height_ == 0;
+      if (wedged) felt = {8, 1e-4};
       felt.age = age(name);
       felt.name = name;
       p.pads.push_back(felt);

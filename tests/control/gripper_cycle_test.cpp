@@ -271,6 +271,21 @@ TEST_F(GripperCycleTest, EarlyTouchNearTheEndGoesBackALittleAndCloses) {
   EXPECT_GT(gripped, world.obstacle_height);
 }
 
+// Regression: what was wedged between the open jaws was taken along by the hand that let go.
+TEST_F(GripperCycleTest, EarlyTouchOfAPadIsClosedOnWhereItIs) {
+  world.wedged_below = 0.075;  // 35 mm before the end
+  double gripped = 0;
+  run(1, [&] {
+    if (cycle.phase() == Phase::kLift) world.wedged_below = -1;
+    if (cycle.phase() == Phase::kGrasp) gripped = world.height();
+  });
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+  EXPECT_NEAR(gripped, 0.075, 0.003);
+  ASSERT_NE(surprise(SurpriseKind::kTouchedTooEarly), nullptr);
+  EXPECT_EQ(surprise(SurpriseKind::kTouchedTooEarly)->reaction, "closes there");
+}
+
 TEST_F(GripperCycleTest, EarlyTouchNearTheEndLetsGoWhereThatIsAsked) {
   for (const bool reacts : {true, false}) {
     FakeWorld other;

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include <Eigen/Geometry>
+
+#include "msgs/objects.pb.h"
+#include "prehend/planning/platform_plan.h"
+
+namespace prehend::nodes {
+
+/// What an object of a view is to the others. @throws geometry::InputError for a bad mesh.
+planning::Neighbours neighbour_of(const msgs::ObjectModel& model);
+
+/// What the robot has put down, where it was put: things that a camera may not see there are in the
+/// way all the same.
+class PlacedObjects {
+ public:
+  /// Keeps the newest 64. @throws geometry::InputError for a bad mesh.
+  void add(const msgs::ObjectModel& model);
+
+  /// Those that stand where nothing of `seen`, by id, does: where something is seen, the look knows
+  /// better.
+  planning::Neighbours unseen(const std::map<std::uint32_t, planning::Neighbours>& seen) const;
+
+ private:
+  struct Placed {
+    planning::Neighbours shape;
+    Eigen::AlignedBox3d box_W;  // m
+  };
+  std::deque<Placed> placed_;
+};
+
+}  // namespace prehend::nodes

@@ -1,0 +1,43 @@
+#include "nodes/grasp_planning/placed_objects.h"
+
+#include <gtest/gtest.h>
+
+#include "msgs/convert/objects.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/surface/model.h"
+
+namespace prehend::nodes {
+namespace {
+
+msgs::ObjectModel box_at(double x, double y) {
+  return convert::to_message(surface::model_of_mesh(geometry::transformed(
+      geometry::make_box({0.06, 0.06, 0.1}),
+      geometry::make_transform(Eigen::Quaterniond::Identity(), {x, y, 0.05}))));
+}
+
+// Regression: what stood beside the camera's view was pushed over by what was put there next.
+TEST(PlacedObjects, AreInTheWayWhereNothingIsSeen) {
+  PlacedObjects placed;
+  EXPECT_TRUE(placed.unseen({}).meshes_W.empty());
+  placed.add(box_at(0, 0.3));
+  placed.add(box_at(0.2, 0.3));
+  EXPECT_EQ(placed.unseen({}).meshes_W.size(), 2u);
+  EXPECT_EQ(placed.unseen({}).pieces_W.size(), 2u);
+  // One of them is seen, a little beside where it was put.
+  const planning::Neighbours unseen = placed.unseen({{4, neighbour_of(box_at(0.01, 0.31))}});
+  ASSERT_EQ(unseen.meshes_W.size(), 1u);
+  EXPECT_NEAR(geometry::bounds(unseen.meshes_W.front()).center().x(), 0.2, 1e-6);
+}
+
+TEST(PlacedObjects, KeepsNoMoreThanItCan) {
+  PlacedObjects placed;
+  for (int i = 0; i < 80; ++i) placed.add(box_at(0.1 * i, 0));
+  EXPECT_EQ(placed.unseen({}).meshes_W.size(), 64u);
+  msgs::ObjectModel broken = box_at(0, 0);
+  broken.mutable_mesh()->set_vertex_count(3);
+  EXPECT_THROW(placed.add(broken), geometry::InputError);
+  EXPECT_EQ(placed.unseen({}).meshes_W.size(), 64u);
+}
+
+}  // namespace
+}  // namespace prehend::nodes
