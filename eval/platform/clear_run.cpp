@@ -7,12 +7,15 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/platform/launched.h"
+#include "msgs/convert/geometry.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
+#include "msgs/truth.pb.h"
 #include "prehend/control/task.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/triangle_mesh.h"
 #include "prehend/recording/mcap_reader.h"
 #include "prehend/text/tree_file.h"
 
@@ -31,10 +34,18 @@ class ClearWatch {
  public:
   explicit ClearWatch(ClearResult* result) : result_(result) {}
 
+  void take(const msgs::TruthShapes& truth) {
+    for (const auto& shape : truth.shapes()) {
+      middles_B_[shape.name()] =
+          geometry::mass_properties(convert::from_message(shape.mesh())).center_of_mass;
+    }
+  }
+  // Where its middle is: the foot of a bottle that lies tells little of where it lies.
   void take(const msgs::GroundTruth& truth) {
     for (const auto& body : truth.bodies()) {
-      const auto& p = body.x_wb().position();
-      now_[body.name()] = {p.x(), p.y(), p.z()};
+      const auto middle = middles_B_.find(body.name());
+      now_[body.name()] = convert::from_message(body.x_wb()) *
+                          (middle == middles_B_.end() ? Eigen::Vector3d::Zero() : middle->second);
     }
   }
   void take(const msgs::ObjectHypotheses& objects) {
@@ -94,6 +105,7 @@ class ClearWatch {
 
   ClearResult* result_;
   Places now_, before_;
+  Places middles_B_;  // of the bodies' own frames
   bool looked_ = false;
   std::optional<control::Phase> last_;
   std::optional<std::int64_t> first_stamp_;  // ns
@@ -113,6 +125,7 @@ void judge(const std::filesystem::path& recording, ClearResult* result) {
   while (const auto message = cursor.next()) {
     const std::string& topic = reader.channels().at(message->channel_id).topic;
     const std::string data(message->data);
+    if (topic == "/ground_truth/shapes") give<msgs::TruthShapes>(data, watch);
     if (topic == "/ground_truth") give<msgs::GroundTruth>(data, watch);
     if (topic == "/objects") give<msgs::ObjectHypotheses>(data, watch);
     if (topic == "/cycle/state") give<msgs::CycleState>(data, watch);

@@ -95,6 +95,11 @@ PlannedPush plan_push(const robot::Platform& platform, const grasp::HandToClose&
                       const PlatformScene& scene, const PlatformPickOptions& arm,
                       const PushPlanOptions& options) {
   options.validate();
+  PlannedPush planned;
+  if (scene.object_pieces_W.empty()) {
+    planned.problem = "nothing is known of its shape";
+    return planned;
+  }
   const robot::Preshape& preshape = platform.hand.preshapes.front();
   const Eigen::VectorXd motors = pushing_posture(platform.hand, preshape);
   const PosedHand posed(platform, hand, preshape, motors, object.mesh_W, scene);
@@ -106,7 +111,6 @@ PlannedPush plan_push(const robot::Platform& platform, const grasp::HandToClose&
   const TableSlab slab(platform, scene.table_W, middle_W);
   const Vector3d x_W = up_W.unitOrthogonal(), y_W = up_W.cross(x_W);
 
-  PlannedPush planned;
   std::vector<PlatformGrasp> ends;
   std::vector<double> rooms;
   for (int k = 0; k < options.directions; ++k) {

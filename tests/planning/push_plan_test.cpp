@@ -88,6 +88,11 @@ TEST_P(PushPlan, SaysWhyThereIsNone) {
   const PlannedPush push = plan(ring);
   EXPECT_TRUE(push.segments.empty());
   EXPECT_NE(push.problem, "");
+  const PlannedPush of_nothing =
+      plan_push(platform_, grasp::HandToClose(platform_.hand), platform_.home("side").arm, box(),
+                {geometry::Plane(), {}, {}}, {});
+  EXPECT_TRUE(of_nothing.segments.empty());
+  EXPECT_NE(of_nothing.problem, "");
 }
 
 TEST_P(PushPlan, RefusesOptionsOutOfRange) {
