@@ -39,8 +39,8 @@ void expect_same(int first, int last, const google::protobuf::EnumDescriptor& na
 TEST(MessageEnums, AreTheLibrarysByNameAndValue) {
   const auto words = [](auto value) { return std::string(to_string(value)); };
   expect_same<msgs::ArmSegment::Kind>(1, 6, *msgs::ArmSegment::Kind_descriptor(), words);
-  expect_same<msgs::CycleState::Phase>(1, 9, *msgs::CycleState::Phase_descriptor(), words);
-  expect_same<msgs::Task::Action>(1, 14, *msgs::Task::Action_descriptor(), words);
+  expect_same<msgs::CycleState::Phase>(1, 10, *msgs::CycleState::Phase_descriptor(), words);
+  expect_same<msgs::Task::Action>(1, 15, *msgs::Task::Action_descriptor(), words);
 }
 
 TEST(MessageEnums, KindsOfSurprisesAndOutcomesThatAreUnknownAreRefused) {
