@@ -134,6 +134,12 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
   static_cast<control::SharedCycleOptions&>(options.cycle) = shared;
   const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
   refuse_what_does_not_apply(node_, robot, driver);
+  for (const char* name : {"push_force", "largest_pushes"}) {
+    if (task_.does(control::Primitive::kPush) || !node_.is_parameter_given(name)) continue;
+    throw std::invalid_argument(fmt::format(
+        "parameter '{}' does not apply with the task {}: it pushes nothing; leave it out", name,
+        task_.name));
+  }
   if (robot.hand_port == robot::HandPort::kGripper) {
     gripper_.listen();
   } else if (gripper_.model()) {

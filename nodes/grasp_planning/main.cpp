@@ -89,9 +89,11 @@ class GraspPlanning {
                                                     batch_.add(model.shared(), steady_clock::now());
                                                     plan_ready();
                                                   })),
-        results_(
-            node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
-                                              [this](const auto& result) { record(*result); })),
+        results_(node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
+                                                   [this](const auto& result) {
+                                                     placed_.clear();
+                                                     record(*result);
+                                                   })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
     if (platform_->says_its_gripper()) {
       gripper_.listen([this] { plan_ready(); });
@@ -258,6 +260,9 @@ class GraspPlanning {
       }
     } else {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), grasp::in_words(answer), seconds);
+    }
+    if (plan.has_push() && plan.push().arm_size() == 0) {
+      node_.log_info("  no push: {}", plan.push().remark());
     }
     log_ledger(node_, plan);
     nodes::log_touch(node_, plan);

@@ -13,12 +13,14 @@ namespace prehend::nodes {
 /// What an object of a view is to the others. @throws geometry::InputError for a bad mesh.
 planning::Neighbours neighbour_of(const msgs::ObjectModel& model);
 
-/// What the robot has put down, where it was put: things that a camera may not see there are in the
-/// way all the same.
+/// What the robot has put down in a cycle, where it was put: things that a camera may not see there
+/// are in the way all the same.
 class PlacedObjects {
  public:
   /// Keeps the newest 64. @throws geometry::InputError for a bad mesh.
   void add(const msgs::ObjectModel& model);
+  /// The cycle has ended: somebody may take away what was put down.
+  void clear() { placed_.clear(); }
 
   /// Those that stand where nothing of `seen`, by id, does: where something is seen, the look knows
   /// better.

@@ -25,6 +25,12 @@ namespace {
 
 constexpr double kAtHome = 1e-3;  // rad or m
 
+void add_time(const char* stage, double seconds, msgs::GraspPlan* message) {
+  msgs::StageTime& time = *message->add_times();
+  time.set_stage(stage);
+  time.set_seconds(seconds);
+}
+
 }  // namespace
 
 PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& home,
@@ -106,15 +112,11 @@ msgs::GraspPlan PlatformPlanning::plan(
   }
   convert::add_choices(plan.choices, &message);
   if (plan.remedy_time > 0) {
-    auto& time = *message.add_times();
-    time.set_stage(kRemediesStage);
-    time.set_seconds(plan.remedy_time);
+    add_time(kRemediesStage, plan.remedy_time, &message);
   }
   if (touch_fidelity_) *message.mutable_touch_fidelity() = *touch_fidelity_;
   if (plan.touch_time > 0) {
-    auto& time = *message.add_times();
-    time.set_stage(kTouchStage);
-    time.set_seconds(plan.touch_time);
+    add_time(kTouchStage, plan.touch_time, &message);
   }
   for (const auto& pick : plan.picks) *message.add_grasps() = to_message(pick);
   if (const auto probe = control::arm_probe(planner_.platform(), plan.probe)) {
@@ -122,15 +124,11 @@ msgs::GraspPlan PlatformPlanning::plan(
     convert::add_motion(*probe, message.mutable_probe());
   }
   if (plan.probe_time > 0) {
-    auto& time = *message.add_times();
-    time.set_stage("probe");
-    time.set_seconds(plan.probe_time);
+    add_time("probe", plan.probe_time, &message);
     message.mutable_probe()->set_remark(plan.probe.problem);
   }
   if (plan.push_time > 0) {
-    auto& time = *message.add_times();
-    time.set_stage("push");
-    time.set_seconds(plan.push_time);
+    add_time("push", plan.push_time, &message);
     msgs::Grasp& push = *message.mutable_push();
     push.set_remark(plan.push.problem);
     if (const auto way = control::arm_push(planner_.platform(), plan.push)) {
@@ -140,9 +138,7 @@ msgs::GraspPlan PlatformPlanning::plan(
     }
   }
   if (plan.look_time > 0) {
-    auto& time = *message.add_times();
-    time.set_stage("look");
-    time.set_seconds(plan.look_time);
+    add_time("look", plan.look_time, &message);
     msgs::PlannedLook& look = *message.mutable_look();
     look.set_problem(plan.look.problem);
     look.set_from(plan.look.from);

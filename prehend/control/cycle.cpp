@@ -299,6 +299,8 @@ void Cycle::push(const Action& action) {
     why = "nothing is to be pushed";
   } else if (pushes_ >= shared_.largest_pushes) {
     why = "things were pushed as often as largest_pushes allows";
+  } else if (shared_.look_timeout == 0 && pushes_ > 0) {
+    why = "nothing new is seen, as look_timeout is 0";
   }
   if (why) return ended(Outcome::kNothing, stuck_ + (stuck_.empty() ? "" : "; ") + why);
   ++pushes_;

@@ -293,7 +293,7 @@ void PlatformPlanner::add_push(const grasp::HandToClose& hand, const surface::Ob
                                         return rejection.reason == grasp::Reason::kObstacle ||
                                                rejection.reason == grasp::Reason::kFingerObstacle;
                                       });
-  // One thing with room about it stays what it is. Grasps may all fail.
+  // One thing with room about it stays what it is. Also where there are grasps, which may all fail.
   if (!is_blocked && !options.push->may_be_several) return;
   const auto begin = steady_clock::now();
   plan->push = plan_push(platform_, hand, start, object, scene, options.arm, *options.push);

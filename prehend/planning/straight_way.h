@@ -11,6 +11,7 @@ namespace prehend::planning {
 
 /// plan_platform_pick() of the first of `ends` that the arm can make, of which nothing is left but
 /// the reach and the straight approach to it. @param speed m/s, > 0, of the hand on that.
+/// @throws as plan_platform_pick().
 PlatformPick plan_straight_way(const robot::Platform& platform, const robot::Positions& start,
                                const std::vector<PlatformGrasp>& ends, const PlatformScene& scene,
                                const PlatformPickOptions& arm, double speed);

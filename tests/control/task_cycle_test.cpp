@@ -239,6 +239,13 @@ TEST_F(TaskOfTheGripper, PushesNoMoreThanItMayWhileNothingIsPutDown) {
   EXPECT_TRUE(once.finished());
   EXPECT_EQ(once.result().pushes, 1);
   EXPECT_THAT(once.result().reason, HasSubstr("too wide"));
+  // Nor is it where nobody looks.
+  ArmCycleOptions blind = doing(task_named("clear_table"));
+  blind.look_timeout = 0;
+  ArmCycle unseeing{blind, arm, hand};
+  unseeing.start({pushing(grasp_at(0))}, "between others");
+  run_to_the_end(unseeing);
+  EXPECT_EQ(unseeing.result().pushes, 1);
   // A task that does not push ends without grasps, as ever.
   ArmCycle picking{doing(task_named("pick_and_place")), arm, hand};
   picking.start({pushing(grasp_at(0))}, "between others");

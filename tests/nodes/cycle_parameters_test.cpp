@@ -42,6 +42,8 @@ TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
               HasSubstr("'holding_lost_share' does not apply with platform stage_pg70"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "gripper_closing_speed:=0.01"}),
               HasSubstr("'gripper_closing_speed' does not apply with platform kr5_sdh"));
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "push_force:=20"}),
+              HasSubstr("'push_force' does not apply with the task pick_and_place"));
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=5"}), HasSubstr("its force is planned"));
   const std::string unfeeling =
       "platform:=" + platform_without_pads(scratch_.path() / "robots").string();

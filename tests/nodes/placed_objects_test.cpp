@@ -37,6 +37,8 @@ TEST(PlacedObjects, KeepsNoMoreThanItCan) {
   broken.mutable_mesh()->set_vertex_count(3);
   EXPECT_THROW(placed.add(broken), geometry::InputError);
   EXPECT_EQ(placed.unseen({}).meshes_W.size(), 64u);
+  placed.clear();
+  EXPECT_TRUE(placed.unseen({}).meshes_W.empty()) << "somebody may have taken them away";
 }
 
 }  // namespace
