@@ -20,18 +20,21 @@ using ::testing::Not;
 
 class Look : public Command {
  protected:
-  // True once every node has reported its traffic.
+  // True once the node has reported its traffic: the first report may be of before the first
+  // message.
   bool reported() {
     return eventually([&] {
       const auto nodes = parsed(run({"node", "list", "--json"}).output);
-      for (const auto& node : nodes.list_value().values()) {
-        const auto& statistics = node.struct_value().fields().at("statistics");
-        const auto& fields = statistics.struct_value().fields();
-        if (!fields.count("cpu_seconds") || fields.at("cpu_seconds").number_value() <= 0) {
-          return false;
+      const auto node = element(nodes, "name", "arm");
+      const auto statistics = member(node, "statistics");
+      const auto topics = statistics.struct_value().fields().find("topics");
+      if (topics == statistics.struct_value().fields().end()) return false;
+      for (const auto& topic : topics->second.list_value().values()) {
+        if (text_of(topic, "topic") == "/camera/stereo" && text_of(topic, "messages") != "0") {
+          return true;
         }
       }
-      return nodes.list_value().values_size() > 0;
+      return false;
     });
   }
 };
