@@ -15,6 +15,7 @@
 #include "msgs/convert/objects.h"
 #include "msgs/convert/outcomes.h"
 #include "nodes/grasp_planning/grasp_records.h"
+#include "nodes/grasp_planning/made_pushes.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/placed_objects.h"
 #include "nodes/grasp_planning/planner_parameters.h"
@@ -28,7 +29,7 @@ namespace {
 using namespace prehend;
 using std::chrono::steady_clock;
 
-constexpr double kSureOfOne = 0.5;  // confidence of a shape, from which it is thought to be one
+constexpr double kSureOfShape = 0.5;  // confidence, from which the prediction is trusted
 
 // Where the candidates fell, and how near the best of them came.
 void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
@@ -92,6 +93,7 @@ class GraspPlanning {
         results_(node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
                                                    [this](const auto& result) {
                                                      placed_.clear();
+                                                     pushes_.clear();
                                                      record(*result);
                                                    })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
@@ -112,6 +114,9 @@ class GraspPlanning {
           node_.shield("what was put down is left out as an obstacle",
                        [&] { placed_.add(*model); });
         });
+    states_ =
+        node_.subscribe<msgs::CycleState>("/cycle/state", graph::QoS::queue(64),
+                                          [this](const auto& state) { pushes_.begun(*state); });
     joints_ = node_.subscribe<msgs::JointState>(
         "/joint_states", graph::QoS::latest(),
         [this](const auto& state) { platform_->start_from(*state); });
@@ -206,7 +211,8 @@ class GraspPlanning {
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
                              known, convert::load_of(message), probes_of(message),
-                             message.confidence() < kSureOfOne, remedy_budget_left_);
+                             message.confidence() < kSureOfShape, pushes_.lines(),
+                             remedy_budget_left_);
     } catch (const geometry::InputError& error) {
       return without_grasps(msgs::GraspPlan::UNGRASPABLE, error.what());
     }
@@ -264,6 +270,7 @@ class GraspPlanning {
     if (plan.has_push() && plan.push().arm_size() == 0) {
       node_.log_info("  no push: {}", plan.push().remark());
     }
+    pushes_.planned(plan);
     log_ledger(node_, plan);
     nodes::log_touch(node_, plan);
     if (records_) {
@@ -285,7 +292,8 @@ class GraspPlanning {
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
   nodes::PlacedObjects placed_;
-  graph::Subscription results_, joints_, camera_, put_down_;
+  nodes::MadePushes pushes_;
+  graph::Subscription results_, joints_, camera_, put_down_, states_;
   graph::Node::Timer timer_;
 };
 

@@ -10,6 +10,7 @@ namespace prehend::nodes {
 namespace {
 
 constexpr std::size_t kMost = 64;
+constexpr double kFragment = 0.2;  // of the box's volume: what is smaller may be a part that shows
 
 }  // namespace
 
@@ -20,6 +21,16 @@ planning::Neighbours neighbour_of(const msgs::ObjectModel& model) {
     own.pieces_W.push_back(convert::from_message(piece));
   }
   return own;
+}
+
+bool PlacedObjects::Placed::is_seen_as(const planning::Neighbours& other) const {
+  const Eigen::Vector3d middle_W = box_W.center();
+  const auto holds_middle = [&](const geometry::TriangleMesh& piece) {
+    return geometry::bounds(piece).contains(middle_W);
+  };
+  if (std::any_of(other.pieces_W.begin(), other.pieces_W.end(), holds_middle)) return true;
+  const Eigen::AlignedBox3d seen_W = geometry::bounds(other.meshes_W.front());
+  return box_W.contains(seen_W.center().eval()) && seen_W.volume() > kFragment * box_W.volume();
 }
 
 void PlacedObjects::add(const msgs::ObjectModel& model) {
@@ -34,10 +45,7 @@ planning::Neighbours PlacedObjects::unseen(
   planning::Neighbours all;
   for (const Placed& one : placed_) {
     const bool is_seen = std::any_of(seen.begin(), seen.end(), [&one](const auto& entry) {
-      return std::any_of(entry.second.meshes_W.begin(), entry.second.meshes_W.end(),
-                         [&one](const geometry::TriangleMesh& mesh) {
-                           return geometry::bounds(mesh).intersects(one.box_W);
-                         });
+      return one.is_seen_as(entry.second);
     });
     if (is_seen) continue;
     all.meshes_W.insert(all.meshes_W.end(), one.shape.meshes_W.begin(), one.shape.meshes_W.end());

@@ -22,14 +22,16 @@ class PlacedObjects {
   /// The cycle has ended: somebody may take away what was put down.
   void clear() { placed_.clear(); }
 
-  /// Those that stand where nothing of `seen`, by id, does: where something is seen, the look knows
-  /// better.
+  /// Those of which nothing of `seen`, by id, is a view: where one is seen, the look knows better.
+  /// It is one when its convex pieces hold the middle of what was put down, or its own middle is in
+  /// the box of that, and it is no mere fragment. What reaches into the box beside it is not.
   planning::Neighbours unseen(const std::map<std::uint32_t, planning::Neighbours>& seen) const;
 
  private:
   struct Placed {
     planning::Neighbours shape;
     Eigen::AlignedBox3d box_W;  // m
+    bool is_seen_as(const planning::Neighbours& other) const;
   };
   std::deque<Placed> placed_;
 };

@@ -79,7 +79,7 @@ msgs::GraspPlan PlatformPlanning::plan(
     const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
     grasp::GraspDatabase* database, const std::optional<grasp::PlacedObject>& known,
     const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
-    bool may_be_several, double remedy_budget) const {
+    bool unsure_of_shape, const std::vector<planning::PushLine>& made, double remedy_budget) const {
   std::vector<Eigen::Vector3d> points;
   for (const auto& piece : object.convex_pieces_W) {
     points.insert(points.end(), piece.vertices.begin(), piece.vertices.end());
@@ -88,9 +88,8 @@ msgs::GraspPlan PlatformPlanning::plan(
   options.place = places_of(task_, points, options.place);
   options.load = load;
   options.probes = probes;
-  if (task_.does(control::Primitive::kPush)) {
-    options.push.emplace().may_be_several = may_be_several;
-  }
+  options.unsure_of_shape = unsure_of_shape;
+  if (task_.does(control::Primitive::kPush)) options.push.emplace().made = made;
   options.remedies.budget = remedy_budget;
   const planning::PlatformPlan plan =
       planner_.plan(object, table_W, neighbours, reachability, start_, options, database, known);

@@ -47,6 +47,8 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
           "the start needs " + std::to_string(size) + " finite positions");
   require(is_unit(task.up_B), "up_B must be a unit vector");
   require(task.object.X_BO.matrix().allFinite(), "the object's pose must be finite");
+  require(task.clear_height >= 0 && std::isfinite(task.clear_height),
+          "clear_height must not be negative");
   for (const geometry::RigidTransform& X_BO : task.X_BO_places) {
     require(X_BO.matrix().allFinite(), "a place must be finite");
   }
@@ -84,6 +86,19 @@ std::vector<std::vector<std::size_t>> success_tiers(const std::vector<double>& e
     tiers.back().push_back(i);
   }
   return tiers;
+}
+
+void add_rejections(const std::vector<PickRejection>& more, std::vector<PickRejection>* all) {
+  for (const PickRejection& rejection : more) {
+    const auto same = std::find_if(all->begin(), all->end(), [&](const PickRejection& known) {
+      return known.filter == rejection.filter;
+    });
+    if (same == all->end()) {
+      all->push_back(rejection);
+    } else {
+      same->count += rejection.count;
+    }
+  }
 }
 
 void PickLedger::add(const PickMiss& miss) {

@@ -27,6 +27,9 @@ struct PickMiss {
 /// "none of 12 grasps can be used: 10 out of reach (nearest: ...), 2 ..."
 std::string rejection_problem(std::size_t grasps, const std::vector<PickRejection>& rejections);
 
+/// Adds a ledger to another: counts of one filter are one.
+void add_rejections(const std::vector<PickRejection>& more, std::vector<PickRejection>* all);
+
 /// Counts grasps by the filter they failed at.
 class PickLedger {
  public:

@@ -140,12 +140,17 @@ class Picker {
     std::string problem;  // what is carried touches there; "": nothing
   };
 
-  /// Straight up from `q`, by lift_height, or by as much more as what is held needs to clear what
-  /// stands about it; by lift_height where more does not help.
+  /// Straight up from `q`: by clear_height, else by lift_height, or by as much more as what is held
+  /// needs to clear what stands about it; by lift_height where more does not help.
   Raised raised(const RobotInWorld& scene, const Positions& q, const RigidTransform& X_BT,
                 const RobotInWorld* carry) const {
     constexpr double kMore = 0.05;  // m
     constexpr int kTries = 7;
+    const double clear = std::min(task_.clear_height, options_.lift_height + kMore * (kTries - 1));
+    if (carry && clear > options_.lift_height) {
+      Raised over{straight(scene, q, moved(X_BT, clear * task_.up_B)), ""};
+      if (over.up.found() && carry->problem(over.up.waypoints.back()).empty()) return over;
+    }
     Raised first;
     for (int i = 0; i < kTries; ++i) {
       const double height = options_.lift_height + i * kMore;

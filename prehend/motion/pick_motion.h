@@ -37,6 +37,9 @@ struct PickTask {
   /// Where the object may go, best first; empty: it is only lifted.
   std::vector<geometry::RigidTransform> X_BO_places;
   Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();  // away from the table; unit
+  /// m, >= 0: lifted so far, the object is above all that stands about. It is carried so high where
+  /// the arm reaches that; 0: by PickOptions::lift_height, as far as the object's shape allows.
+  double clear_height = 0;
   /// Names in the collision world that the hand keeps clear of on the straight ways at the grasp
   /// and at the place, as its grasps were planned with them, exactly: there it is not tested again
   /// with what holds its links, which reaches beyond them.
@@ -48,7 +51,7 @@ struct PickOptions {
   /// path that the search finds first. 0: the path decides between equal grasps only.
   double success_for_path = 0.05;
   /// m, > 0, before the carry and above the place; up to 0.3 m more where what is held would else
-  /// touch what stands about it.
+  /// touch what stands about it, or PickTask::clear_height asks for it.
   double lift_height = 0.1;
   double straight_step = 0.01;  // m, of the straight segments, > 0
   int goals = 24;               // positions above grasps that are looked for at most, >= 1

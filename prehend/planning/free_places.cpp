@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kSides = 64;    // directions in which outlines are compared
 constexpr double kSamePlace = 0.02;   // m
 constexpr double kRegionStep = 0.04;  // m
+constexpr double kUpright = 0.1;      // of a normal's z: below, the table says nothing of x and y
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Sides = std::array<Eigen::Vector2d, kSides>;
@@ -85,14 +86,16 @@ class Chooser {
     for (const auto& points : others_W) {
       if (!points.empty()) others_.push_back(outline_of(points, axes_));
     }
-    middle_W_ = axes_.in_world(stands_.box.center()) + table.offset * table.normal;
+    middle_W_ = options.middle_W && std::abs(table.normal.z()) >= kUpright
+                    ? on_table(table, *options.middle_W)
+                    : axes_.in_world(stands_.box.center()) + table.offset * table.normal;
   }
 
   FreePlaces given(const geometry::Plane& table) const {
     FreePlaces places;
     const Eigen::Vector2d& at = *options_.given_W;
     const std::string name = fmt::format("the place {:.3f}, {:.3f}", at.x(), at.y());
-    if (std::abs(table.normal.z()) < 0.1) {
+    if (std::abs(table.normal.z()) < kUpright) {
       places.problem = name + " says nothing on a table that stands upright";
       return places;
     }
@@ -138,7 +141,7 @@ class Chooser {
   FreePlaces in_region(const geometry::Plane& table) const {
     const PlaceOptions::Region& region = *options_.region_W;
     FreePlaces places;
-    if (std::abs(table.normal.z()) < 0.1) {
+    if (std::abs(table.normal.z()) < kUpright) {
       places.problem =
           "the place '" + region.name + "' says nothing on a table that stands upright";
       return places;
@@ -230,6 +233,7 @@ void PlaceOptions::validate() const {
   require(clearance >= 0, "clearance must not be negative");
   require(enough >= clearance, "enough must be at least clearance");
   require(!given_W || given_W->allFinite(), "given_W must be finite");
+  require(!middle_W || middle_W->allFinite(), "middle_W must be finite");
   require(!region_W || (!given_W && region_W->center.allFinite() && region_W->size.allFinite() &&
                         region_W->size.minCoeff() > 0),
           "region_W must be finite, with positive sides, and no given_W");

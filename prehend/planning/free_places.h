@@ -19,7 +19,7 @@ struct PlaceOptions {
   int directions = 12;       // > 0, that are tried at each, from world +y counter-clockwise
   double clearance = 0.015;  // m, >= 0, that must be between what is put down and anything else
   double enough = 0.05;      // m, >= clearance: places with so much room come before others
-  /// Where the middle of the object is to stand, x and y of the world [m]: this place or none.
+  /// Where the object's middle is to stand, x and y of the world [m]: this place or none.
   std::optional<Eigen::Vector2d> given_W;
   /// The part of the table in which the object's middle is to stand, along x and y of the world
   /// [m]; its middle is tried first.
@@ -29,6 +29,9 @@ struct PlaceOptions {
     Eigen::Vector2d size = Eigen::Vector2d::Zero();  // > 0
   };
   std::optional<Region> region_W;  // not with given_W
+  /// The object's middle for `given_W` and `region_W`, x and y of the world [m]; unset: of the box
+  /// round its outline.
+  std::optional<Eigen::Vector2d> middle_W;
   /// Why the object cannot be carried by a displacement [m], in words; empty: it can, as far as is
   /// known. Unset: everywhere.
   std::function<std::string(const Eigen::Vector3d& move_W)> unreachable;

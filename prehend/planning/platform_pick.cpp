@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -28,20 +29,7 @@ using std::chrono::steady_clock;
 constexpr int kElbowAngles = 8;       // for what the arm reaches at all
 constexpr double kShareOfTime = 0.5;  // of what is left, while other grasps remain
 constexpr double kShiftStep = 0.005;  // m, of straight ways to the sides
-
-void add_rejections(const std::vector<motion::PickRejection>& more,
-                    std::vector<motion::PickRejection>* all) {
-  for (const auto& rejection : more) {
-    const auto same = std::find_if(all->begin(), all->end(), [&](const auto& known) {
-      return known.filter == rejection.filter;
-    });
-    if (same == all->end()) {
-      all->push_back(rejection);
-    } else {
-      same->count += rejection.count;
-    }
-  }
-}
+constexpr double kOverAll = 0.02;     // m, between what is carried over all and the highest of it
 
 /// Grasps of one preshape and opening, and the robot with its hand so.
 struct HandShape {
@@ -170,6 +158,7 @@ class PlatformPicker {
       X_BO.translation() += X_BW_.linear() * move_W;
       task_.X_BO_places.push_back(X_BO);
     }
+    if (options.carried_over_all) task_.clear_height = height_over_all(scene);
     pick_ = options.pick;
     pick_.acceleration = platform.acceleration;
   }
@@ -230,6 +219,20 @@ class PlatformPicker {
     return shapes_.size() - 1;
   }
 
+  /// m, by which the object is lifted to be above all obstacles; 0: it is.
+  static double height_over_all(const PlatformScene& scene) {
+    const Eigen::Vector3d& up_W = scene.table_W.normal;
+    const double infinity = std::numeric_limits<double>::infinity();
+    double lowest = infinity, highest = -infinity;
+    for (const TriangleMesh& piece : scene.object_pieces_W) {
+      for (const Eigen::Vector3d& p : piece.vertices) lowest = std::min(lowest, up_W.dot(p));
+    }
+    for (const TriangleMesh& piece : scene.obstacle_pieces_W) {
+      for (const Eigen::Vector3d& p : piece.vertices) highest = std::max(highest, up_W.dot(p));
+    }
+    return scene.obstacle_pieces_W.empty() ? 0 : std::max(0.0, highest + kOverAll - lowest);
+  }
+
   void take_turn(const std::vector<std::size_t>& turn, bool is_last) {
     const HandShape& shape = shapes_[shapes_of_[turn.front()]];
     const robot::Preshape& preshape = platform_.hand.preshape(shape.preshape);
@@ -246,7 +249,7 @@ class PlatformPicker {
       pick_.budget = std::max(1e-3, (is_last ? 1 : kShareOfTime) * left());
     }
     result_.motion = motion::plan_pick(shape.robot, inverse_, task_, pick_);
-    add_rejections(result_.motion.rejections, &rejections_);
+    motion::add_rejections(result_.motion.rejections, &rejections_);
     times_.insert(times_.end(), result_.motion.times.begin(), result_.motion.times.end());
     if (result_.motion.found()) {
       result_.grasp = static_cast<int>(turn[static_cast<std::size_t>(result_.motion.grasp)]);
@@ -338,7 +341,8 @@ class PlatformPicker {
   }
 
   void not_tried(std::size_t count, const std::string& why) {
-    add_rejections({{motion::PickFilter::kNotTried, static_cast<int>(count), why}}, &rejections_);
+    motion::add_rejections({{motion::PickFilter::kNotTried, static_cast<int>(count), why}},
+                           &rejections_);
   }
 
   std::string problem() const {

@@ -46,6 +46,9 @@ struct PlatformPickOptions {
   /// m, displacements by which the object may be put elsewhere, best first (free_places()); empty:
   /// it is only lifted.
   std::vector<Eigen::Vector3d> moves_W;
+  /// The object may be larger than its shape says: where it is carried elsewhere, it is lifted
+  /// above all that stands about, if the arm reaches so high.
+  bool carried_over_all = false;
   double shift = 0.02;  // m, >= 0, of PlatformPick::shifts at most; 0: none are looked for
   std::optional<HeldInspection> inspection;  // none: PlatformPick::views are not looked for
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "prehend/geometry/gravity.h"
+#include "prehend/motion/pick_ledger.h"
 #include "prehend/text/require.h"
 
 namespace prehend::planning {
@@ -18,6 +19,7 @@ using std::chrono::steady_clock;
 
 constexpr double kLeastFriction = 0.02;  // of anything on foam or rubber
 constexpr double kTwoPads = 2;           // that share the load
+constexpr double kSameHold = 0.02;       // m, between tools that hold the same, seen from above
 
 double seconds_since(steady_clock::time_point begin) {
   return std::chrono::duration<double>(steady_clock::now() - begin).count();
@@ -227,36 +229,82 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   return plan;
 }
 
+// Of an unsure shape, grasps that hold the same of it are planned together: what they hold is what
+// is put down. Else there is one turn.
+std::vector<PlatformPlanner::Turn> PlatformPlanner::turns(
+    std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
+    const PlatformPlanOptions& options) const {
+  const bool has_place = options.place.given_W || options.place.region_W;
+  if (!options.unsure_of_shape || !has_place) {
+    std::vector<Turn> one(1);
+    one.front() = {std::move(grasps), free_places_for(platform_, scene, options.place)};
+    return one;
+  }
+  std::vector<Turn> turns;
+  for (grasp::Grasp& grasp : grasps) {
+    const auto same = std::find_if(turns.begin(), turns.end(), [&grasp](const Turn& turn) {
+      const Eigen::Vector3d apart =
+          turn.grasps.front().X_WG.translation() - grasp.X_WG.translation();
+      return apart.head<2>().norm() < kSameHold;
+    });
+    if (same != turns.end()) {
+      same->grasps.push_back(std::move(grasp));
+      continue;
+    }
+    PlaceOptions place = options.place;
+    place.middle_W = grasp.X_WG.translation().head<2>();
+    turns.push_back({{}, free_places_for(platform_, scene, place)});
+    turns.back().grasps.push_back(std::move(grasp));
+  }
+  return turns;
+}
+
 // The grasps that the arm can execute, best first, and then the others; or why there is none.
 PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps,
                                                         const PlatformScene& scene,
                                                         const robot::Positions& start,
                                                         const PlatformPlanOptions& options,
                                                         PlatformPlan* plan) const {
-  const FreePlaces places = free_places_for(platform_, scene, options.place);
-  if (!places.problem.empty()) {
+  const std::size_t all = grasps.size();
+  std::vector<Turn> turns = this->turns(std::move(grasps), scene, options);
+  const std::string no_place = turns.front().places.problem;
+  std::erase_if(turns, [](const Turn& turn) { return !turn.places.problem.empty(); });
+  if (turns.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
-    plan->problem = places.problem + ". " + kPlaceMend;
+    plan->problem = no_place + ". " + kPlaceMend;
     return {};
   }
   PlatformPickOptions arm = options.arm;
-  arm.moves_W = places.moves_W;
   if (platform_.hand.gripper) arm.shift = 0;  // its jaws meet in the middle
-  const std::size_t all = grasps.size();
+  arm.carried_over_all = options.unsure_of_shape;
   std::string arm_problem;
-  std::vector<PlatformGrasp> unreached;
-  for (int i = 0; i < options.motions && !grasps.empty(); ++i) {
+  Unreached unreached;
+  double in_vain = 0;  // s
+  for (std::size_t t = 0; t < turns.size();) {
+    Turn& turn = turns[t];
+    const bool is_first_try = plan->picks.empty();
+    if (turn.grasps.empty() || plan->picks.size() >= static_cast<std::size_t>(options.motions)) {
+      ++t;
+      continue;
+    }
     std::vector<PlatformGrasp> poses;
-    for (const grasp::Grasp& grasp : grasps) poses.push_back(to_pick(grasp));
+    for (const grasp::Grasp& grasp : turn.grasps) poses.push_back(to_pick(grasp));
+    arm.moves_W = turn.places.moves_W;
+    if (const double budget = options.arm.pick.budget; budget > 0) {
+      arm.pick.budget = std::max(1e-3, budget - in_vain);
+    }
+    const auto asked = steady_clock::now();
     PlatformPick pick = plan_platform_pick(platform_, start, poses, scene, arm);
-    if (i == 0) plan->arm_rejections = pick.motion.rejections;
+    if (is_first_try) motion::add_rejections(pick.motion.rejections, &plan->arm_rejections);
     if (!pick.motion.found()) {
-      arm_problem = pick.motion.problem;
-      if (i == 0) unreached = std::move(poses);
-      break;
+      in_vain += seconds_since(asked);
+      if (arm_problem.empty()) arm_problem = pick.motion.problem;
+      if (is_first_try && unreached.grasps.empty()) unreached = {std::move(poses), arm};
+      ++t;
+      continue;
     }
     PlannedPick planned;
-    planned.grasp = std::move(grasps[static_cast<std::size_t>(pick.grasp)]);
+    planned.grasp = std::move(turn.grasps[static_cast<std::size_t>(pick.grasp)]);
     planned.segments = std::move(pick.motion.segments);
     planned.shifts = std::move(pick.shifts);
     planned.views = std::move(pick.views);
@@ -264,15 +312,18 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
       planned.move_W = arm.moves_W[static_cast<std::size_t>(pick.motion.place)];
     }
     plan->picks.push_back(std::move(planned));
-    grasps.erase(grasps.begin() + pick.grasp);
+    turn.grasps.erase(turn.grasps.begin() + pick.grasp);
   }
   if (plan->picks.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
     plan->problem = fmt::format("the arm can execute none of {} grasps: {}", all, arm_problem);
-    return {std::move(unreached), std::move(arm)};
+    return unreached;
   }
-  for (grasp::Grasp& grasp : grasps)
-    plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}, {}});
+  for (Turn& turn : turns) {
+    for (grasp::Grasp& grasp : turn.grasps) {
+      plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}, {}});
+    }
+  }
   return {};
 }
 
@@ -294,7 +345,7 @@ void PlatformPlanner::add_push(const grasp::HandToClose& hand, const surface::Ob
                                                rejection.reason == grasp::Reason::kFingerObstacle;
                                       });
   // One thing with room about it stays what it is. Also where there are grasps, which may all fail.
-  if (!is_blocked && !options.push->may_be_several) return;
+  if (!is_blocked && !options.unsure_of_shape) return;
   const auto begin = steady_clock::now();
   plan->push = plan_push(platform_, hand, start, object, scene, options.arm, *options.push);
   plan->push_time = seconds_since(begin);

@@ -68,6 +68,10 @@ struct PlatformPlanOptions {
   grasp::PlannerOptions grasps;  // their `reaches` is the arm's
   PlatformPickOptions arm;       // its moves_W are those of `place`
   PlaceOptions place;
+  /// Nothing says that the object is what was predicted: it may be several things, or larger. Then
+  /// what stands at its place is what the hand holds there, not the middle of the shape; it is
+  /// carried over all that stands about; and it may help to push it, even with nothing beside it.
+  bool unsure_of_shape = false;
   int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
   /// > 0. Where hand and arm can execute no grasp of the usual candidates, those with so many times
   /// as many steps are tried; 1: they are not. Not where the hand is too small or too weak for it.
@@ -85,7 +89,7 @@ struct PlatformPlanOptions {
   /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
-  /// Where candidates fell for what stands beside it, or it may be several: how it can be pushed;
+  /// Where candidates fell for what stands beside it, or its shape is unsure: how it can be pushed;
   /// none: no push is planned.
   std::optional<PushPlanOptions> push;
   /// The camera that the arm carries; none: no look from elsewhere is planned.
@@ -137,6 +141,13 @@ class PlatformPlanner {
     std::vector<PlatformGrasp> grasps;
     PlatformPickOptions arm;
   };
+  /// Grasps by which the same of the object is put at a place, and where that may be.
+  struct Turn {
+    std::vector<grasp::Grasp> grasps;  // best first
+    FreePlaces places;
+  };
+  std::vector<Turn> turns(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
+                          const PlatformPlanOptions& options) const;
   Unreached add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
                         const robot::Positions& start, const PlatformPlanOptions& options,
                         PlatformPlan* plan) const;

@@ -26,6 +26,7 @@ constexpr double kNearlyClosed = 0.004;  // m, each jaw from the middle: its pad
 constexpr std::array kAside{0.0, 1.0 / 3, -1.0 / 3};  // of the object's half width
 constexpr int kQuarters = 4;
 constexpr double kBesideSuccess = 0.1;  // that a way beside the middle is worth less
+constexpr double kAgainSuccess = 0.1;   // of what a way like one that was made is worth
 
 /// Interval of a body's points along a direction [m].
 struct Extent {
@@ -74,6 +75,13 @@ double beyond_table(const TableSlab& slab, const PlatformScene& scene, const Vec
   return beyond;
 }
 
+bool is_like(const PushLine& made, const PushLine& line) {
+  constexpr double kLeastCosine = 0.7;
+  constexpr double kNear = 0.1;  // m
+  return made.direction_W.dot(line.direction_W) > kLeastCosine &&
+         (made.end_W - line.end_W).norm() < kNear;
+}
+
 Eigen::VectorXd pushing_posture(const robot::HandModel& hand, const robot::Preshape& preshape) {
   if (!hand.gripper) return preshape.open;
   return Eigen::VectorXd::Constant(preshape.open.size(), kNearlyClosed);
@@ -88,6 +96,10 @@ void PushPlanOptions::validate() const {
   require(std::isfinite(height) && height > 0, "height must be positive");
   require(std::isfinite(clearance) && clearance >= 0, "clearance must not be negative");
   require(directions > 0, "directions must be positive");
+  for (const PushLine& line : made) {
+    require(line.end_W.allFinite() && std::abs(line.direction_W.norm() - 1) < 1e-6,
+            "made must be finite, with unit directions");
+  }
 }
 
 PlannedPush plan_push(const robot::Platform& platform, const grasp::HandToClose& hand,
@@ -143,6 +155,11 @@ PlannedPush plan_push(const robot::Platform& platform, const grasp::HandToClose&
         end.expected_success = std::clamp((1 - kBesideSuccess) * corridor.room / options.beyond +
                                               (aside == 0 ? kBesideSuccess : 0),
                                           0.0, 1.0);
+        const bool was_made =
+            std::any_of(options.made.begin(), options.made.end(), [&end](const PushLine& made) {
+              return is_like(made, {end.X_WG.translation(), end.approach_W});
+            });
+        if (was_made) end.expected_success *= kAgainSuccess;
         rooms.push_back(corridor.room);
         ends.push_back(std::move(end));
       }

@@ -12,10 +12,15 @@
 // How a hand pushes things apart that cannot be grasped as they stand.
 namespace prehend::planning {
 
+/// A straight way along the table.
+struct PushLine {
+  Eigen::Vector3d end_W = Eigen::Vector3d::Zero();         // m, of the hand
+  Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  // unit
+};
+
 struct PushPlanOptions {
-  /// Nothing says that what is seen as one thing is one: it may help to push it, even where nothing
-  /// stands beside it.
-  bool may_be_several = false;
+  /// Pushes that were made, and did not part what stands there: others come first.
+  std::vector<PushLine> made;
   double speed = 0.08;      // m/s, > 0, of the hand on the straight way
   double beyond = 0.06;     // m, > 0, that it goes on where it meets something
   double height = 0.02;     // m, > 0, of its lowest point over the table
@@ -39,7 +44,8 @@ struct PlannedPush {
 /// by a third of its width, from where the hand is clear of everything to `beyond` from the first
 /// thing that it meets. A parallel gripper is nearly closed, other hands are open, and come from
 /// above (or as the arm holds them, where no joint can tilt it), turned about in quarters. Ways on
-/// which the object has most room before it come first; what is pushed stays on the part of the
+/// which the object has most room before it come first, and those like what was `made` (within 45
+/// degrees and 0.1 m) last; what is pushed stays on the part of the
 /// table that the arm's motions are planned on. The rest is plan_platform_pick()'s: the arm keeps
 /// from everything but what the hand pushes.
 /// @param object which the pieces of `scene` are of.

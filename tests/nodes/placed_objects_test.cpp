@@ -29,6 +29,24 @@ TEST(PlacedObjects, AreInTheWayWhereNothingIsSeen) {
   EXPECT_NEAR(geometry::bounds(unseen.meshes_W.front()).center().x(), 0.2, 1e-6);
 }
 
+// Regression: a box round what had fallen over reached to what stood beside it, unseen, and a
+// bottle was put on that.
+TEST(PlacedObjects, AreInTheWayBesideWhatIsSeen) {
+  PlacedObjects placed;
+  placed.add(box_at(0.12, 0.4));
+  const auto unseen_beside = [&placed](const msgs::ObjectModel& seen) {
+    return placed.unseen({{0, neighbour_of(seen)}}).meshes_W.size();
+  };
+  EXPECT_EQ(unseen_beside(box_at(0.07, 0.37)), 1u) << "its corner is in the other's box";
+  EXPECT_EQ(unseen_beside(box_at(0.10, 0.39)), 0u);
+  const auto block = [](const Eigen::Vector3d& size, const Eigen::Vector3d& at) {
+    return convert::to_message(surface::model_of_mesh(geometry::transformed(
+        geometry::make_box(size), geometry::make_transform(Eigen::Quaterniond::Identity(), at))));
+  };
+  EXPECT_EQ(unseen_beside(block({0.02, 0.02, 0.03}, {0.1, 0.38, 0.09})), 1u) << "a part of it";
+  EXPECT_EQ(unseen_beside(block({0.2, 0.1, 0.1}, {0.18, 0.4, 0.05})), 0u) << "with another thing";
+}
+
 TEST(PlacedObjects, KeepsNoMoreThanItCan) {
   PlacedObjects placed;
   for (int i = 0; i < 80; ++i) placed.add(box_at(0.1 * i, 0));

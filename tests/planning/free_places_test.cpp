@@ -121,6 +121,24 @@ TEST(FreePlaces, AGivenPlaceIsTakenOrRefused) {
   EXPECT_THAT(free_places({}, object, {}, options).problem, HasSubstr("stands at the place"));
 }
 
+TEST(FreePlaces, AMiddleThatIsGivenIsWhatStandsThere) {
+  const Points object = box(0.1, 0, 0.03, 0.1);
+  PlaceOptions options;
+  options.middle_W = Eigen::Vector2d(0.12, 0.01);
+  options.given_W = Eigen::Vector2d(0.1, -0.2);
+  const FreePlaces given = free_places({}, object, {}, options);
+  ASSERT_EQ(given.moves_W.size(), 1u) << given.problem;
+  EXPECT_NEAR((given.moves_W[0] - Eigen::Vector3d(-0.02, -0.21, 0)).norm(), 0, 1e-12);
+  options.given_W.reset();
+  options.region_W = {"beside", {0, 0.3}, {0.1, 0.05}};
+  for (const Eigen::Vector3d& move : free_places({}, object, {}, options).moves_W) {
+    const Eigen::Vector2d from_middle =
+        *options.middle_W + move.head<2>() - options.region_W->center;
+    EXPECT_LE(std::abs(from_middle.x()), 0.05);
+    EXPECT_LE(std::abs(from_middle.y()), 0.025);
+  }
+}
+
 TEST(FreePlaces, RefusesWhatIsNone) {
   EXPECT_THROW(free_places({}, {}, {}), std::invalid_argument);
   const auto refused = [](auto change) {
@@ -135,6 +153,7 @@ TEST(FreePlaces, RefusesWhatIsNone) {
   refused([](PlaceOptions& o) { o.clearance = -1; });
   refused([](PlaceOptions& o) { o.enough = 0; });
   refused([](PlaceOptions& o) { o.given_W = Eigen::Vector2d(std::nan(""), 0); });
+  refused([](PlaceOptions& o) { o.middle_W = Eigen::Vector2d(std::nan(""), 0); });
 }
 
 TEST(ReadPlace, TakesTwoNumbers) {

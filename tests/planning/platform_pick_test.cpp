@@ -222,6 +222,28 @@ TEST_P(PlatformPickTest, AFreePlaceIsFoundBesideANeighbour) {
             std::string::npos);
 }
 
+// What may be larger than its shape knocks nothing over on its way.
+TEST_P(PlatformPickTest, IsCarriedOverAllWhereThatIsAskedFor) {
+  scene.obstacle_pieces_W = {box_at({0.04, 0.04, 0.2}, {0.15, 0.1, 0.1})};
+  PlatformPickOptions options;
+  options.moves_W = {{0, 0.2, 0}};
+  const robot::KinematicChain chain = platform.arm_chain();
+  for (const bool over : {false, true}) {
+    options.carried_over_all = over;
+    const auto pick =
+        plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
+    ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+    const auto& lift = pick.motion.segments[2].waypoints;
+    const auto& place = pick.motion.segments[4].waypoints;
+    const auto height = [&](const robot::Positions& q) {
+      return (platform.X_WB * chain.forward(q)).translation().z();
+    };
+    const double expected = over ? 0.22 : 0.15;
+    EXPECT_NEAR(height(lift.back()) - height(lift.front()), expected, 1e-3);
+    EXPECT_NEAR(height(place.front()) - height(place.back()), expected, 1e-3);
+  }
+}
+
 TEST_P(PlatformPickTest, ObstaclesRoundTheObjectAreKeptFrom) {
   scene.obstacle_pieces_W = {box_at({0.4, 0.4, 0.05}, {0, 0, 0.3})};  // a lid over it
   const auto pick =

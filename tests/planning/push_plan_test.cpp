@@ -79,6 +79,24 @@ TEST_P(PushPlan, PushesWhereThereIsRoom) {
   EXPECT_LT(push.hand.approach_W.y(), 0.5);
 }
 
+// What did not part things once would not do so again.
+TEST_P(PushPlan, ComesFromAnotherSideThanBefore) {
+  PushPlanOptions options;
+  std::vector<PushLine>& made = options.made;
+  for (int i = 0; i < 3; ++i) {
+    const PlannedPush push = plan({}, options);
+    ASSERT_FALSE(push.segments.empty()) << push.problem;
+    const PushLine line{push.hand.X_WG.translation(), push.hand.approach_W};
+    for (const PushLine& before : made) {
+      const bool is_beside = (before.end_W - line.end_W).norm() > 0.1;
+      EXPECT_TRUE(is_beside || before.direction_W.dot(line.direction_W) < 0.71) << i;
+    }
+    made.push_back(line);
+  }
+  options.made = {{Vector3d::Zero(), Vector3d::Zero()}};
+  EXPECT_THROW(plan({}, options), std::invalid_argument);
+}
+
 TEST_P(PushPlan, SaysWhyThereIsNone) {
   std::vector<surface::ObjectModel> ring;
   for (const double side : {-1.0, 1.0}) {
@@ -113,10 +131,11 @@ TEST_P(PushPlan, RefusesOptionsOutOfRange) {
 TEST(PushOfAPlan, IsPlannedWhereItMayHelpOnly) {
   const PlatformPlanner planner(robot::read_platform("config/robots/stage_pg70.yaml"));
   const robot::Positions start = planner.platform().home("side").arm;
-  const auto plan_of = [&](const Neighbours& neighbours, bool may_be_several, double width) {
+  const auto plan_of = [&](const Neighbours& neighbours, bool unsure_of_shape, double width) {
     PlatformPlanOptions options(planner.platform().hand);
     options.arm.pick.budget = 0;
-    options.push.emplace().may_be_several = may_be_several;
+    options.push.emplace();
+    options.unsure_of_shape = unsure_of_shape;
     return planner.plan(box_at(0, 0, {width, 0.2, 0.06}), {}, neighbours, {}, start, options);
   };
   Neighbours wall;
