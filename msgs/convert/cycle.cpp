@@ -113,6 +113,11 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
     throw geometry::InputError("A grasp whose pregrasp distance is no length",
                                "Look for the fault in the node that published it");
   }
+  if (!(grasp.place_share() >= 0 && grasp.place_share() <= 1)) {
+    throw geometry::InputError("A grasp whose place_share is no share",
+                               "Look for the fault in the node that published it");
+  }
+  if (grasp.place_share() > 0) result.place_share = grasp.place_share();
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(from_message(segment.kind()), from_message(segment.trajectory()));
   }
@@ -189,6 +194,7 @@ void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
     *message->add_held_view() = to_message(view);
   }
   message->set_held_views_problem(grasp.views_problem);
+  if (grasp.place_share < 1) message->set_place_share(grasp.place_share);
   for (const std::string& name : grasp.hand_joints) message->add_hand_joint_name(name);
   for (const double position : grasp.hand.open) message->add_open_position(position);
   for (const double position : grasp.hand.closed) message->add_closed_position(position);

@@ -29,8 +29,6 @@ namespace {
 using namespace prehend;
 using std::chrono::steady_clock;
 
-constexpr double kSureOfShape = 0.5;  // confidence, from which the prediction is trusted
-
 // Where the candidates fell, and how near the best of them came.
 void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   for (const auto& rejection : plan.rejections()) {
@@ -211,8 +209,8 @@ class GraspPlanning {
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
                              known, convert::load_of(message), probes_of(message),
-                             message.confidence() < kSureOfShape, pushes_.lines(),
-                             remedy_budget_left_);
+                             message.confidence() > 0 ? std::min(message.confidence(), 1.0) : 0.0,
+                             pushes_.lines(), remedy_budget_left_);
     } catch (const geometry::InputError& error) {
       return without_grasps(msgs::GraspPlan::UNGRASPABLE, error.what());
     }

@@ -10,7 +10,7 @@ namespace prehend::nodes {
 namespace {
 
 constexpr std::size_t kMost = 64;
-constexpr double kFragment = 0.2;  // of the box's volume: what is smaller may be a part that shows
+constexpr double kFragment = 0.4;  // of the box's volume: what is smaller may be a part that shows
 
 }  // namespace
 
@@ -24,13 +24,14 @@ planning::Neighbours neighbour_of(const msgs::ObjectModel& model) {
 }
 
 bool PlacedObjects::Placed::is_seen_as(const planning::Neighbours& other) const {
-  const Eigen::Vector3d middle_W = box_W.center();
-  const auto holds_middle = [&](const geometry::TriangleMesh& piece) {
-    return geometry::bounds(piece).contains(middle_W);
-  };
-  if (std::any_of(other.pieces_W.begin(), other.pieces_W.end(), holds_middle)) return true;
   const Eigen::AlignedBox3d seen_W = geometry::bounds(other.meshes_W.front());
-  return box_W.contains(seen_W.center().eval()) && seen_W.volume() > kFragment * box_W.volume();
+  if (seen_W.volume() < kFragment * box_W.volume()) return false;
+  const Eigen::Vector3d middle_W = box_W.center();
+  return box_W.contains(seen_W.center().eval()) ||
+         std::any_of(other.pieces_W.begin(), other.pieces_W.end(),
+                     [&middle_W](const geometry::TriangleMesh& piece) {
+                       return geometry::bounds(piece).contains(middle_W);
+                     });
 }
 
 void PlacedObjects::add(const msgs::ObjectModel& model) {

@@ -23,8 +23,8 @@ class PlacedObjects {
   void clear() { placed_.clear(); }
 
   /// Those of which nothing of `seen`, by id, is a view: where one is seen, the look knows better.
-  /// It is one when its convex pieces hold the middle of what was put down, or its own middle is in
-  /// the box of that, and it is no mere fragment. What reaches into the box beside it is not.
+  /// It is one when it is no mere fragment, and its convex pieces hold the middle of what was put
+  /// down, or its own middle is in the box of that. What reaches into the box beside it is not.
   planning::Neighbours unseen(const std::map<std::uint32_t, planning::Neighbours>& seen) const;
 
  private:

@@ -79,7 +79,8 @@ msgs::GraspPlan PlatformPlanning::plan(
     const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
     grasp::GraspDatabase* database, const std::optional<grasp::PlacedObject>& known,
     const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
-    bool unsure_of_shape, const std::vector<planning::PushLine>& made, double remedy_budget) const {
+    double shape_confidence, const std::vector<planning::PushLine>& made,
+    double remedy_budget) const {
   std::vector<Eigen::Vector3d> points;
   for (const auto& piece : object.convex_pieces_W) {
     points.insert(points.end(), piece.vertices.begin(), piece.vertices.end());
@@ -88,7 +89,7 @@ msgs::GraspPlan PlatformPlanning::plan(
   options.place = places_of(task_, points, options.place);
   options.load = load;
   options.probes = probes;
-  options.unsure_of_shape = unsure_of_shape;
+  options.shape_confidence = shape_confidence;
   if (task_.does(control::Primitive::kPush)) options.push.emplace().made = made;
   options.remedies.budget = remedy_budget;
   const planning::PlatformPlan plan =
@@ -132,7 +133,7 @@ msgs::GraspPlan PlatformPlanning::plan(
     push.set_remark(plan.push.problem);
     if (const auto way = control::arm_push(planner_.platform(), plan.push)) {
       push = convert::to_message(plan.push.hand, planner_.platform().hand);
-      push.set_score(plan.push.room / plan.push.length);
+      push.set_score(plan.push.worth);
       convert::add_motion(*way, &push);
     }
   }

@@ -31,7 +31,7 @@ class PlatformPlanning {
 
   /// planning::PlatformPlanner::plan(), with the task's places, what is known of its load, and
   /// where a fingertip would learn most of it. `remedy_budget` [s] is what is left of the view's;
-  /// `unsure_of_shape` and the pushes that were `made`: as PlatformPlanOptions' and
+  /// `shape_confidence` and the pushes that were `made`: as PlatformPlanOptions' and
   /// PushPlanOptions'.
   /// @throws geometry::InputError for a bad mesh, or an object that has no place in the task.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
@@ -39,7 +39,7 @@ class PlatformPlanning {
                        const grasp::Reachability& reachability, grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known,
                        const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes,
-                       bool unsure_of_shape, const std::vector<planning::PushLine>& made,
+                       double shape_confidence, const std::vector<planning::PushLine>& made,
                        double remedy_budget) const;
 
   /// For finding out what would help the objects of a view that have no grasp, together [s].

@@ -215,6 +215,7 @@ class ArmCycle : public Cycle {
   void remember_slip();
   bool watch_slip();
   void set_down();
+  void begin_place();
   void after_setting_down();
   std::string slipped() const;  // in words, for the result; empty: it did not
   bool is_probe() const { return grasp().probe_H.has_value(); }

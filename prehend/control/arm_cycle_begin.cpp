@@ -69,8 +69,7 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kMove:
       return begin_move(action);
     case Primitive::kPlace:
-      begin_segment(Step::kPlace, contact_force_down());
-      return;
+      return begin_place();
     case Primitive::kRelease:
       holds_ = false;
       return open_to_release();
@@ -151,6 +150,17 @@ void ArmCycle::begin_segment(Step step, double contact_force) {
   const SegmentKind kind = segment_of(step).value();
   enter(step, std::string("arm: ") + motion::to_string(kind));
   if (const JointTrajectory* path = segment(kind)) follow(*path, contact_force);
+}
+
+void ArmCycle::begin_place() {
+  const JointTrajectory* way = segment(SegmentKind::kPlace);
+  // Below where it is to stand, only what feels it finds out that it does.
+  const bool feels = options_.reacts && percepts_.wrist_force;
+  if (!way || feels || grasp().place_share >= 1) {
+    return begin_segment(Step::kPlace, contact_force_down());
+  }
+  enter(Step::kPlace, "arm: place");
+  follow(part_of(*way, grasp().place_share), contact_force_down());
 }
 
 // To so far past where they are to touch: with the efforts that they have now.

@@ -20,6 +20,9 @@ struct ArmGrasp {
   GraspPose pose;
   /// In the order in which they are run; some may lack.
   std::vector<std::pair<motion::SegmentKind, JointTrajectory>> segments;
+  /// Share of the time of the segment kPlace, in (0, 1], at which the object is predicted to stand.
+  /// The rest is gone until it is felt to, where the wrist can be felt.
+  double place_share = 1;
   double approach_length = 0;  // m, of the straight way of the segment kApproach; 0: not known
   std::vector<std::string> hand_joints;
   robot::ClosingWay hand;   // of hand_joints

@@ -220,10 +220,11 @@ std::string PadGripper::lost(bool rests) const {
   // While the force rises, what is felt follows.
   const double wanted = rises_since_ ? std::min(force_, controller_.reference()) : force_;
   const double least = std::max(options_.touch_force, options_.held_ratio * wanted);
-  for (const PadPercept* pad : {&*left_, &*right_}) {
-    if (pad->sum < least) return fmt::format("the {} pad feels only {:.1f} N", pad->name, pad->sum);
-  }
-  return {};
+  const PadPercept& less = left_->sum < right_->sum ? *left_ : *right_;
+  const PadPercept& more = left_->sum < right_->sum ? *right_ : *left_;
+  // The jaws press with one force: what a pad feels less of it is borne beside its cells.
+  if (less.sum >= options_.touch_force && more.sum >= least) return {};
+  return fmt::format("the {} pad feels only {:.1f} N", less.name, less.sum);
 }
 
 std::string PadGripper::grip() const {

@@ -55,8 +55,10 @@ struct PadGripperOptions {
                "aimed at under force control"});
     visit(Knob{"early_force", self.early_force, "N", 0.01, 1000,
                "of a pad's sum, that is no noise while the arm approaches"});
-    visit(Knob{"held_ratio", self.held_ratio, "", 0, 1,
-               "of the grasp force that each pad must still feel when lifted"});
+    visit(
+        Knob{"held_ratio", self.held_ratio, "", 0, 1,
+             "of the grasp force that one pad must still feel when lifted, the other any: what it "
+             "feels less is borne beside its cells"});
     visit(Knob{"largest_collapse", self.largest_collapse, "m", 0.0001, 1,
                "that the opening may shrink after the grasp settled"});
     visit(Knob{"settled_time", self.settled_time, "s", 0, 10, "that the force must stay settled"});

@@ -50,6 +50,7 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   ArmGrasp result;
   result.pose = {grasp.X_WG, grasp.preshape};
   result.approach_length = grasp.pregrasp_distance;
+  result.place_share = pick.place_share;
   const robot::KinematicChain chain = platform.arm_chain();
   for (const motion::PickSegment& segment : pick.segments) {
     result.segments.emplace_back(segment.kind, sampled(chain, *segment.trajectory));

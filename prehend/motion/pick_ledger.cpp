@@ -59,6 +59,7 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
     require(is_unit(grasp.approach_direction_B), name + " needs a unit approach_direction_B");
     require(grasp.pregrasp_distance > 0 && std::isfinite(grasp.pregrasp_distance),
             name + " needs a positive pregrasp_distance");
+    require(grasp.room_below >= 0, name + " needs a room_below that is not negative");
     require(grasp.expected_success >= 0 && grasp.expected_success <= 1,
             name + " needs an expected_success from 0 to 1");
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -42,6 +43,8 @@ struct Goal {
 /// From above a place to beside it.
 struct WayDown {
   std::vector<Positions> down, retreat;
+  RigidTransform X_BO;  // of the object at its end, by its shape
+  Positions stands;     // when it is there
 };
 
 /// The first place of a grasp that it can be put down at, and how.
@@ -287,8 +290,14 @@ class Picker {
   }
 
   /// Ways down to a place and back; the farthest miss when there are none.
-  PickMiss find_ways_down(const PickGrasp& grasp, const Positions& seed, const RigidTransform& X_BO,
-                          const RobotInWorld& carry, std::vector<WayDown>& ways) const {
+  PickMiss find_ways_down(const PickGrasp& grasp, const Positions& seed,
+                          const RigidTransform& X_BO_place, const RobotInWorld& carry,
+                          std::vector<WayDown>& ways) const {
+    RigidTransform X_BO = X_BO_place;
+    const double rise =
+        task_.up_B.dot(X_BO.translation() - task_.object.X_BO.translation());  // m, of the hand
+    X_BO.translation() += std::max(0.0, -rise - grasp.room_below) * task_.up_B;
+    const double below = std::max(0.0, grasp.room_below + rise);
     const RigidTransform X_BT = scenes_.X_BT_at(grasp, X_BO);
     const InverseAnswer answer = inverse_.solve(X_BT, seed);
     if (answer.solutions.empty()) return {PickFilter::kPlace, -1 - answer.miss, answer.reason};
@@ -320,9 +329,25 @@ class Picker {
         note(3 + away.completed, "on the way back, " + away.reason);
         continue;
       }
-      ways.push_back({reversed(up.waypoints), std::move(away.waypoints)});
+      std::vector<Positions> down = reversed(up.waypoints);
+      if (task_.goes_on_down && std::isfinite(below)) {
+        const std::vector<Positions> more = on_down(q, X_BT, below);
+        down.insert(down.end(), more.begin(), more.end());
+      }
+      ways.push_back({std::move(down), std::move(away.waypoints), X_BO, q});
     }
     return farthest;
+  }
+
+  /// Straight on down from `q` by `length` [m], or as much of it as is free, without `q`.
+  std::vector<Positions> on_down(const Positions& q, const RigidTransform& X_BT,
+                                 double length) const {
+    constexpr double kLeast = 0.005;  // m
+    for (; length > kLeast; length *= 0.5) {
+      JointPath more = straight(scenes_.approach(), q, moved(X_BT, -length * task_.up_B));
+      if (more.found()) return {more.waypoints.begin() + 1, more.waypoints.end()};
+    }
+    return {};
   }
 
   /// What the object would be deeper in than its cover's balls are larger than it.
@@ -370,6 +395,8 @@ class Picker {
         add(SegmentKind::kCarry, std::move(carry.waypoints), true);
         add(SegmentKind::kPlace, way.down, true);
         add(SegmentKind::kRetreat, way.retreat, false);
+        X_BO_ = way.X_BO;
+        stands_ = way.stands;
         result_.place = static_cast<int>(place.index);
         return true;
       }
@@ -417,13 +444,27 @@ class Picker {
           break;
         case SegmentKind::kPlace:
           timed_straight(scenes_.lift(grasp, way.back()));
+          result_.place_share = share_at(*segment.trajectory, stands_);
           break;
         case SegmentKind::kRetreat:
-          timed_straight(
-              scenes_.retreat(task_.X_BO_places[static_cast<std::size_t>(result_.place)]));
+          timed_straight(scenes_.retreat(X_BO_));
           break;
       }
     }
+  }
+
+  /// Share of a trajectory's time at which it is nearest to `q`; 1 when that is its end.
+  static double share_at(const BlendedTrajectory& trajectory, const Positions& q) {
+    constexpr int kSteps = 400;
+    const double duration = trajectory.duration();
+    double share = 1, least = (trajectory.at(duration).position - q).norm();
+    for (int i = 1; i < kSteps; ++i) {
+      const double off = (trajectory.at(duration * i / kSteps).position - q).norm();
+      if (off >= least) continue;
+      least = off;
+      share = 1.0 * i / kSteps;
+    }
+    return share;
   }
 
   /// The greatest speed of the tool [m/s] where the fastest joint is at its velocity limit.
@@ -476,9 +517,11 @@ class Picker {
   double last_lap_ = 0;
   double slice_begin_ = 0, slice_ = 0;  // s, of the present tier
   std::vector<Goal> goals_;
-  std::vector<PickMiss> misses_;  // of each grasp
-  std::vector<bool> tried_;       // of each grasp
-  std::vector<Place> places_;     // of each grasp
+  std::vector<PickMiss> misses_;                      // of each grasp
+  std::vector<bool> tried_;                           // of each grasp
+  std::vector<Place> places_;                         // of each grasp
+  RigidTransform X_BO_ = RigidTransform::Identity();  // of the object at its place
+  Positions stands_;                                  // when it is there
   PickLedger ledger_;
   PickMotion result_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct PickGrasp {
   Eigen::Vector3d approach_direction_B = -Eigen::Vector3d::UnitZ();  // the hand's way to it; unit
   double pregrasp_distance = 0.1;                                    // m, of that way, > 0
   double expected_success = 1;  // 0..1, how likely it is thought to hold
+  /// m, >= 0, that the hand has below it when it closes: at a place it goes no lower than that.
+  double room_below = std::numeric_limits<double>::infinity();
 };
 
 /// What is grasped. Frame O.
@@ -40,6 +43,10 @@ struct PickTask {
   /// m, >= 0: lifted so far, the object is above all that stands about. It is carried so high where
   /// the arm reaches that; 0: by PickOptions::lift_height, as far as the object's shape allows.
   double clear_height = 0;
+  /// The way down to the place goes on as far as the hand may (PickGrasp::room_below, where that is
+  /// finite): for an object that may end higher than its shape, by an arm that feels when it
+  /// stands.
+  bool goes_on_down = false;
   /// Names in the collision world that the hand keeps clear of on the straight ways at the grasp
   /// and at the place, as its grasps were planned with them, exactly: there it is not tested again
   /// with what holds its links, which reaches beyond them.
@@ -126,6 +133,9 @@ struct PickMotion {
   std::vector<PickRejection> rejections;
   std::vector<PickStage> times;
   int goals = 0;  // positions above grasps that the search could end at
+  /// Share of the time of the segment kPlace, in (0, 1], at which the object stands by its shape;
+  /// the rest is PickTask::goes_on_down.
+  double place_share = 1;
 
   bool found() const { return !segments.empty(); }
 };
@@ -138,7 +148,8 @@ std::vector<std::vector<std::size_t>> success_tiers(const std::vector<double>& e
 
 /// A motion that picks an object and, if asked, places it: reach (`planner`, to the goal set of all
 /// solutions of the best grasps from which the rest is possible), approach (straight), lift
-/// (straight up, with the object), carry (`planner`, with the object), place (straight down),
+/// (straight up, with the object), carry (`planner`, with the object), place (straight down, where
+/// the place is lower than the hand has room the object ends that much higher),
 /// retreat (straight back). The hand closes between approach and lift, and opens between place and
 /// retreat.
 ///

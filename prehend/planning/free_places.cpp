@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kSides = 64;    // directions in which outlines are compared
 constexpr double kSamePlace = 0.02;   // m
 constexpr double kRegionStep = 0.04;  // m
+constexpr double kStands = 0.01;      // m, over the table: so far a predicted bottom may be off
 constexpr double kUpright = 0.1;      // of a normal's z: below, the table says nothing of x and y
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -86,6 +87,9 @@ class Chooser {
     for (const auto& points : others_W) {
       if (!points.empty()) others_.push_back(outline_of(points, axes_));
     }
+    double lowest = kInfinity;  // m, over the table
+    for (const Eigen::Vector3d& p : object_W) lowest = std::min(lowest, table.signed_distance(p));
+    if (lowest > kStands) down_W_ = -lowest * table.normal;
     middle_W_ = options.middle_W && std::abs(table.normal.z()) >= kUpright
                     ? on_table(table, *options.middle_W)
                     : axes_.in_world(stands_.box.center()) + table.offset * table.normal;
@@ -116,7 +120,7 @@ class Chooser {
       places.problem = name + " cannot be reached: " + why;
       return places;
     }
-    places.moves_W = {move_W};
+    places.moves_W = {move_W + down_W_};
     return places;
   }
 
@@ -192,7 +196,7 @@ class Chooser {
       choice.why = why;
       return;
     }
-    (found >= options_.enough ? choice.roomy : choice.narrow).push_back({move_W, found});
+    (found >= options_.enough ? choice.roomy : choice.narrow).push_back({move_W + down_W_, found});
   }
 
   /// Straight up or down to the table.
@@ -220,6 +224,7 @@ class Chooser {
   Outline stands_;  // the object
   std::vector<Outline> others_;
   Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // on the table
+  Eigen::Vector3d down_W_ = Eigen::Vector3d::Zero();    // m, to the table, of what stands higher
 };
 
 }  // namespace

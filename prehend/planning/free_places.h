@@ -42,9 +42,9 @@ struct PlaceOptions {
 inline constexpr const char* kPlaceMend = "Give another place, or none to have one chosen";
 
 struct FreePlaces {
-  /// Displacements of the object along the table [m], best first: what is put there stands as it
-  /// stood. Last, unless a place or a region was given, where it stands now (zero): that is free by
-  /// then.
+  /// Displacements of the object [m], best first: along the table, and down to it where the
+  /// object's lowest point is more than 1 cm above, as of what stood on another. Last, unless a
+  /// place or a region was given, where it stands now (zero): that is free by then.
   std::vector<Eigen::Vector3d> moves_W;
   /// Why a place or a region that was given cannot be used, in words (kPlaceMend would help); else
   /// empty.

@@ -29,7 +29,9 @@ using std::chrono::steady_clock;
 constexpr int kElbowAngles = 8;       // for what the arm reaches at all
 constexpr double kShareOfTime = 0.5;  // of what is left, while other grasps remain
 constexpr double kShiftStep = 0.005;  // m, of straight ways to the sides
-constexpr double kOverAll = 0.02;     // m, between what is carried over all and the highest of it
+constexpr double kOverAll = 0.05;     // m, between what is carried over all and the highest of it
+constexpr double kLower = 1e-6;       // m, of a place: less is none
+constexpr double kOverTable = 0.008;  // m, of the hand at the end of a way down
 
 /// Grasps of one preshape and opening, and the robot with its hand so.
 struct HandShape {
@@ -158,7 +160,8 @@ class PlatformPicker {
       X_BO.translation() += X_BW_.linear() * move_W;
       task_.X_BO_places.push_back(X_BO);
     }
-    if (options.carried_over_all) task_.clear_height = height_over_all(scene);
+    if (options.guarded) task_.clear_height = height_over_all(scene);
+    task_.goes_on_down = options.guarded;
     pick_ = options.pick;
     pick_.acceleration = platform.acceleration;
   }
@@ -236,6 +239,7 @@ class PlatformPicker {
   void take_turn(const std::vector<std::size_t>& turn, bool is_last) {
     const HandShape& shape = shapes_[shapes_of_[turn.front()]];
     const robot::Preshape& preshape = platform_.hand.preshape(shape.preshape);
+    const double infinity = std::numeric_limits<double>::infinity();
     task_.grasps.clear();
     task_.kept_clear = {kTableName};
     for (const std::size_t i : turn) {
@@ -243,7 +247,8 @@ class PlatformPicker {
       if (!grasp.clears_table) task_.kept_clear.clear();
       task_.grasps.push_back({platform_.X_BF(grasp.X_WG, preshape),
                               X_BW_.linear() * grasp.approach_W, grasp.pregrasp_distance,
-                              grasp.expected_success});
+                              grasp.expected_success,
+                              goes_lower() ? room_below(grasp, shape) : infinity});
     }
     if (options_.pick.budget > 0) {
       pick_.budget = std::max(1e-3, (is_last ? 1 : kShareOfTime) * left());
@@ -315,7 +320,7 @@ class PlatformPicker {
     const geometry::MeshQuery object_T(geometry::transformed(inspection.object_mesh_W, X_TW));
     thing.object_T = &object_T;
     std::optional<geometry::MeshQuery> hand_T;
-    if (TriangleMesh hand = hand_mesh(grasp); !hand.triangles.empty()) {
+    if (TriangleMesh hand = hand_mesh(grasp.closed_all); !hand.triangles.empty()) {
       hand_T.emplace(geometry::transformed(hand, platform_.X_FH));
       thing.hand_T = &*hand_T;
     }
@@ -326,13 +331,38 @@ class PlatformPicker {
                                     pick_.acceleration, inspection.options);
   }
 
-  /// Of the hand as it holds, in its root's frame; empty where that is not known.
-  TriangleMesh hand_mesh(const PlatformGrasp& grasp) const {
+  /// Whether the hand may be lower at a place than where it closes.
+  bool goes_lower() const {
+    return std::any_of(options_.moves_W.begin(), options_.moves_W.end(),
+                       [this](const Eigen::Vector3d& move_W) {
+                         return options_.guarded || move_W.dot(table_W_.normal) < -kLower;
+                       });
+  }
+
+  /// m, from the lowest point of the hand, closed or open, to just above the table; 0 where it is
+  /// not known how it closes.
+  double room_below(const PlatformGrasp& grasp, const HandShape& shape) const {
+    const robot::Preshape& preshape = platform_.hand.preshape(grasp.preshape);
+    const RigidTransform X_WH =
+        grasp.X_WG * (platform_.hand.X_HP * preshape.X_PG).inverse(Eigen::Isometry);
+    const TriangleMesh closed = hand_mesh(grasp.closed_all);
+    if (closed.vertices.empty()) return 0;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const TriangleMesh& mesh : {closed, hand_mesh(platform_.hand.all_positions(shape.open))}) {
+      for (const Eigen::Vector3d& p_H : mesh.vertices) {
+        lowest = std::min(lowest, table_W_.signed_distance(X_WH * p_H));
+      }
+    }
+    return std::max(0.0, lowest - kOverTable);
+  }
+
+  /// Of the hand with its joints so, in its root's frame; empty where they are not known.
+  TriangleMesh hand_mesh(const Eigen::VectorXd& all) const {
     std::vector<TriangleMesh> links;
     const auto joints = static_cast<Eigen::Index>(platform_.hand.model.joints.size());
-    if (grasp.closed_all.size() != joints) return {};
+    if (all.size() != joints) return {};
     std::vector<RigidTransform> poses;
-    platform_.hand.link_poses(grasp.closed_all, poses);
+    platform_.hand.link_poses(all, poses);
     for (std::size_t l = 0; l < poses.size(); ++l) {
       links.push_back(
           geometry::transformed(robot::link_mesh(platform_.hand.model.links[l]), poses[l]));

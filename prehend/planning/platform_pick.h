@@ -46,9 +46,11 @@ struct PlatformPickOptions {
   /// m, displacements by which the object may be put elsewhere, best first (free_places()); empty:
   /// it is only lifted.
   std::vector<Eigen::Vector3d> moves_W;
-  /// The object may be larger than its shape says: where it is carried elsewhere, it is lifted
-  /// above all that stands about, if the arm reaches so high.
-  bool carried_over_all = false;
+  /// Nothing is certain of the object's shape. Where it is carried elsewhere, it is lifted above
+  /// all that stands about, if the arm reaches so high, and its way down goes on as far as the hand
+  /// may: for an arm that feels when it stands (a guarded move: Will and Grossman, IEEE
+  /// Transactions on Computers C-24, 1975).
+  bool guarded = false;
   double shift = 0.02;  // m, >= 0, of PlatformPick::shifts at most; 0: none are looked for
   std::optional<HeldInspection> inspection;  // none: PlatformPick::views are not looked for
 

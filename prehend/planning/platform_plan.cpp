@@ -19,6 +19,9 @@ using std::chrono::steady_clock;
 
 constexpr double kLeastFriction = 0.02;  // of anything on foam or rubber
 constexpr double kTwoPads = 2;           // that share the load
+constexpr double kSureOfShape = 0.5;     // below, the prediction is not trusted
+constexpr double kSureOfOne = 0.9;       // from there on, it is not two things that look like one
+constexpr double kPushedThere = 0.15;    // m, of a push's end to what it has moved
 constexpr double kSameHold = 0.02;       // m, between tools that hold the same, seen from above
 
 double seconds_since(steady_clock::time_point begin) {
@@ -107,6 +110,7 @@ void PlatformPlanOptions::validate() const {
   place.validate();
   const text::Require require{"PlatformPlanOptions."};
   require(motions > 0, "motions must be positive");
+  require(shape_confidence >= 0 && shape_confidence <= 1, "shape_confidence must be from 0 to 1");
   require(finer > 0 && finer <= 10, "finer must be from 1 to 10");
   require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
   if (touch) touch->validate();
@@ -235,7 +239,7 @@ std::vector<PlatformPlanner::Turn> PlatformPlanner::turns(
     std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
     const PlatformPlanOptions& options) const {
   const bool has_place = options.place.given_W || options.place.region_W;
-  if (!options.unsure_of_shape || !has_place) {
+  if (options.shape_confidence >= kSureOfShape || !has_place) {
     std::vector<Turn> one(1);
     one.front() = {std::move(grasps), free_places_for(platform_, scene, options.place)};
     return one;
@@ -276,7 +280,7 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
   }
   PlatformPickOptions arm = options.arm;
   if (platform_.hand.gripper) arm.shift = 0;  // its jaws meet in the middle
-  arm.carried_over_all = options.unsure_of_shape;
+  arm.guarded = options.shape_confidence < kSureOfOne;
   std::string arm_problem;
   Unreached unreached;
   double in_vain = 0;  // s
@@ -308,6 +312,7 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
     planned.segments = std::move(pick.motion.segments);
     planned.shifts = std::move(pick.shifts);
     planned.views = std::move(pick.views);
+    planned.place_share = pick.motion.place_share;
     if (pick.motion.place >= 0) {
       planned.move_W = arm.moves_W[static_cast<std::size_t>(pick.motion.place)];
     }
@@ -321,7 +326,7 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
   }
   for (Turn& turn : turns) {
     for (grasp::Grasp& grasp : turn.grasps) {
-      plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}, {}});
+      plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, 1, {}, {}});
     }
   }
   return {};
@@ -344,10 +349,19 @@ void PlatformPlanner::add_push(const grasp::HandToClose& hand, const surface::Ob
                                         return rejection.reason == grasp::Reason::kObstacle ||
                                                rejection.reason == grasp::Reason::kFingerObstacle;
                                       });
-  // One thing with room about it stays what it is. Also where there are grasps, which may all fail.
-  if (!is_blocked && !options.unsure_of_shape) return;
+  const bool is_unsure = options.shape_confidence < kSureOfShape;
+  // Also where there are grasps, which may all fail.
+  if (!is_blocked && !is_unsure) {
+    // One thing with room about it stays what it is. Two that look like one are parted once or not.
+    const bool was_pushed = std::any_of(
+        options.push->made.begin(), options.push->made.end(), [&](const PushLine& line) {
+          return (line.end_W - middle_of(scene.object_pieces_W)).norm() < kPushedThere;
+        });
+    if (can_be_executed(*plan) || options.shape_confidence >= kSureOfOne || was_pushed) return;
+  }
   const auto begin = steady_clock::now();
   plan->push = plan_push(platform_, hand, start, object, scene, options.arm, *options.push);
+  if (!is_blocked) plan->push.worth *= 1 - options.shape_confidence;
   plan->push_time = seconds_since(begin);
 }
 

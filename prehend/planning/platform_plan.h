@@ -34,6 +34,7 @@ struct PlannedPick {
   PredictedTouch touch;                       // of those with a motion
   std::vector<motion::PickSegment> segments;  // timed; empty: no motion was planned for it
   std::optional<Eigen::Vector3d> move_W;      // m, by which the object is put elsewhere
+  double place_share = 1;                     // motion::PickMotion's
   std::vector<SidewaysShift> shifts;          // as PlatformPick's, of those with a motion
   HeldViews views = {};                       // the same
 };
@@ -68,10 +69,10 @@ struct PlatformPlanOptions {
   grasp::PlannerOptions grasps;  // their `reaches` is the arm's
   PlatformPickOptions arm;       // its moves_W are those of `place`
   PlaceOptions place;
-  /// Nothing says that the object is what was predicted: it may be several things, or larger. Then
-  /// what stands at its place is what the hand holds there, not the middle of the shape; it is
-  /// carried over all that stands about; and it may help to push it, even with nothing beside it.
-  bool unsure_of_shape = false;
+  /// 0..1, how sure the shape is. Below 0.9 it is moved guarded (PlatformPickOptions::guarded).
+  /// Below 0.5 it may be several things: what stands at its place is what the hand holds there, not
+  /// the middle of the shape, and it may help to push it, even where it has grasps.
+  double shape_confidence = 1;
   int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
   /// > 0. Where hand and arm can execute no grasp of the usual candidates, those with so many times
   /// as many steps are tried; 1: they are not. Not where the hand is too small or too weak for it.
@@ -89,8 +90,8 @@ struct PlatformPlanOptions {
   /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
-  /// Where candidates fell for what stands beside it, or its shape is unsure: how it can be pushed;
-  /// none: no push is planned.
+  /// How it can be pushed, where candidates fell for what stands beside it, its shape is unsure, or
+  /// it has no grasp, is less than 90 % sure, and was not pushed before; none: no push is planned.
   std::optional<PushPlanOptions> push;
   /// The camera that the arm carries; none: no look from elsewhere is planned.
   std::optional<geometry::StereoCamera> carried_camera;

@@ -184,6 +184,7 @@ PlannedPush plan_push(const robot::Platform& platform, const grasp::HandToClose&
   planned.hand = hand_at_end(ends[static_cast<std::size_t>(pick.grasp)], "push");
   planned.length = options.beyond;
   planned.room = rooms[static_cast<std::size_t>(pick.grasp)];
+  planned.worth = ends[static_cast<std::size_t>(pick.grasp)].expected_success;
   planned.segments = std::move(pick.motion.segments);
   return planned;
 }

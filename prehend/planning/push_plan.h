@@ -37,6 +37,7 @@ struct PlannedPush {
   std::vector<motion::PickSegment> segments;  // timed: reach, approach; empty: none can be made
   double length = 0;                          // m, that it goes on from where it meets something
   double room = 0;      // m, before what is pushed there meets something else; no more than length
+  double worth = 0;     // 0..1: share of the length with room, less where it was pushed before
   std::string problem;  // why there is none, in words
 };
 

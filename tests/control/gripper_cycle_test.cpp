@@ -326,6 +326,15 @@ TEST_F(GripperCycleTest, GoesBackAsFarAsItCame) {
   EXPECT_GT(lowest, 0.34);
 }
 
+// Regression: a bottle that one pad met with a part of its cells was held, taken for lost, and
+// dropped from the height of the lift.
+TEST_F(GripperCycleTest, WhatOnePadFeelsLessOfIsHeld) {
+  world.right_gain = 0.15;
+  run(1);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+}
+
 TEST_F(GripperCycleTest, OneNumbPad) {
   world.right_gain = 0;
   run(1);

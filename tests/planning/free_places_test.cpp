@@ -139,6 +139,23 @@ TEST(FreePlaces, AMiddleThatIsGivenIsWhatStandsThere) {
   }
 }
 
+TEST(FreePlaces, WhatStoodOnAnotherIsPutOnTheTable) {
+  Points object = box(0, 0, 0.03, 0.1);
+  for (Eigen::Vector3d& p : object) p.z() += 0.25;
+  const FreePlaces places = free_places({}, object, {box(0, 0, 0.05, 0.25)});
+  ASSERT_GT(places.moves_W.size(), 1u);
+  for (std::size_t k = 0; k + 1 < places.moves_W.size(); ++k) {
+    EXPECT_NEAR(places.moves_W[k].z(), -0.25, 1e-12);
+  }
+  EXPECT_TRUE(places.moves_W.back().isZero());
+  for (Eigen::Vector3d& p : object) p.z() -= 0.245;  // by so much predictions are off
+  EXPECT_EQ(free_places({}, object, {}).moves_W.front().z(), 0);
+  PlaceOptions options;
+  options.given_W = Eigen::Vector2d(0.3, 0);
+  for (Eigen::Vector3d& p : object) p.z() += 0.1;
+  EXPECT_NEAR(free_places({}, object, {}, options).moves_W.front().z(), -0.105, 1e-12);
+}
+
 TEST(FreePlaces, RefusesWhatIsNone) {
   EXPECT_THROW(free_places({}, {}, {}), std::invalid_argument);
   const auto refused = [](auto change) {

@@ -9,6 +9,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/robot/link_mesh.h"
+#include "prehend/robot/placed_links.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::planning {
@@ -223,13 +224,13 @@ TEST_P(PlatformPickTest, AFreePlaceIsFoundBesideANeighbour) {
 }
 
 // What may be larger than its shape knocks nothing over on its way.
-TEST_P(PlatformPickTest, IsCarriedOverAllWhereThatIsAskedFor) {
+TEST_P(PlatformPickTest, IsCarriedOverAllWhereItIsGuarded) {
   scene.obstacle_pieces_W = {box_at({0.04, 0.04, 0.2}, {0.15, 0.1, 0.1})};
   PlatformPickOptions options;
   options.moves_W = {{0, 0.2, 0}};
   const robot::KinematicChain chain = platform.arm_chain();
   for (const bool over : {false, true}) {
-    options.carried_over_all = over;
+    options.guarded = over;
     const auto pick =
         plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
     ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
@@ -238,10 +239,79 @@ TEST_P(PlatformPickTest, IsCarriedOverAllWhereThatIsAskedFor) {
     const auto height = [&](const robot::Positions& q) {
       return (platform.X_WB * chain.forward(q)).translation().z();
     };
-    const double expected = over ? 0.22 : 0.15;
+    const double expected = over ? 0.25 : 0.15;
     EXPECT_NEAR(height(lift.back()) - height(lift.front()), expected, 1e-3);
-    EXPECT_NEAR(height(place.front()) - height(place.back()), expected, 1e-3);
+    EXPECT_GT(height(place.front()) - height(place.back()), expected - 1e-3);
   }
+}
+
+// Of the hand's links [m] over the table, closed so.
+double lowest_of(const robot::Platform& platform, const RigidTransform& X_WG,
+                 const std::string& preshape, const Eigen::VectorXd& all) {
+  const RigidTransform X_GH =
+      (platform.hand.X_HP * platform.hand.preshape(preshape).X_PG).inverse(Eigen::Isometry);
+  double lowest = 10;
+  for (const auto& link : robot::placed_hand_links(platform.hand, X_WG * X_GH, all)) {
+    for (const auto& p_W : link.vertices) lowest = std::min(lowest, p_W.z());
+  }
+  return lowest;
+}
+
+// Regression: a can that had stood on a box was let go in the air, 25 cm over the table: what was
+// predicted of it went down to the table, or did not.
+TEST_P(PlatformPickTest, WhatMayEndHigherIsLoweredOn) {
+  auto grasp = from_above(platform, {0, 0, 0.14});
+  grasp.closed_all = platform.hand.all_positions(platform.hand.preshapes.front().open);
+  PlatformPickOptions options;
+  options.moves_W = {{0, 0.15, 0}};
+  const robot::KinematicChain chain = platform.arm_chain();
+  const auto& preshape = platform.hand.preshapes.front();
+  const auto tool = [&](const robot::Positions& q) {
+    return platform.X_WB * chain.forward(q) * platform.X_FG(preshape);
+  };
+  for (const bool guarded : {false, true}) {
+    options.guarded = guarded;
+    const auto pick = plan_platform_pick(platform, home(), {grasp}, scene, options);
+    ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+    const motion::PickSegment& place = pick.motion.segments[4];
+    const RigidTransform X_WG = tool(place.waypoints.back());
+    const double lowest = lowest_of(platform, X_WG, grasp.preshape, grasp.closed_all);
+    if (!guarded) {
+      EXPECT_EQ(pick.motion.place_share, 1);
+      EXPECT_NEAR(X_WG.translation().z(), 0.14, 1e-4);
+      continue;
+    }
+    EXPECT_GT(lowest, 0.007) << "the hand stays over the table";
+    EXPECT_LT(X_WG.translation().z(), 0.135);
+    ASSERT_LT(pick.motion.place_share, 1);
+    const auto at = place.trajectory->at(pick.motion.place_share * place.trajectory->duration());
+    EXPECT_NEAR(tool(at.position).translation().z(), 0.14, 0.003)
+        << "there it stands, as predicted";
+    // It leaves from where it is predicted to stand.
+    EXPECT_NEAR(tool(pick.motion.segments[5].waypoints.front()).translation().z(), 0.14, 1e-4);
+  }
+}
+
+// What stood on another is put on the table, as far down as the hand gets.
+TEST_P(PlatformPickTest, APlaceIsNoLowerThanTheHandGets) {
+  scene.object_pieces_W = {box_at({0.04, 0.04, 0.1}, {0, 0, 0.17})};
+  scene.obstacle_pieces_W = {box_at({0.2, 0.2, 0.12}, {0, 0, 0.06})};
+  const FreePlaces places = free_places_for(platform, scene);
+  ASSERT_FALSE(places.moves_W.empty());
+  EXPECT_NEAR(places.moves_W.front().z(), -0.12, 1e-9);
+  EXPECT_TRUE(places.moves_W.back().isZero()) << "where it stood it may stand again";
+  auto grasp = from_above(platform, {0, 0, 0.2});
+  grasp.closed_all = platform.hand.all_positions(platform.hand.preshapes.front().open);
+  PlatformPickOptions options;
+  options.moves_W = {places.moves_W.front()};
+  const double room = lowest_of(platform, grasp.X_WG, grasp.preshape, grasp.closed_all) - 0.008;
+  const auto pick = plan_platform_pick(platform, home(), {grasp}, scene, options);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  const robot::KinematicChain chain = platform.arm_chain();
+  const RigidTransform X_WG = platform.X_WB *
+                              chain.forward(pick.motion.segments[4].waypoints.back()) *
+                              platform.X_FG(platform.hand.preshapes.front());
+  EXPECT_NEAR(X_WG.translation().z(), 0.2 - std::min(0.12, room), 1e-4);
 }
 
 TEST_P(PlatformPickTest, ObstaclesRoundTheObjectAreKeptFrom) {

@@ -131,11 +131,12 @@ TEST_P(PushPlan, RefusesOptionsOutOfRange) {
 TEST(PushOfAPlan, IsPlannedWhereItMayHelpOnly) {
   const PlatformPlanner planner(robot::read_platform("config/robots/stage_pg70.yaml"));
   const robot::Positions start = planner.platform().home("side").arm;
-  const auto plan_of = [&](const Neighbours& neighbours, bool unsure_of_shape, double width) {
+  std::vector<PushLine> made;
+  const auto plan_of = [&](const Neighbours& neighbours, double confidence, double width) {
     PlatformPlanOptions options(planner.platform().hand);
     options.arm.pick.budget = 0;
-    options.push.emplace();
-    options.unsure_of_shape = unsure_of_shape;
+    options.push.emplace().made = made;
+    options.shape_confidence = confidence;
     return planner.plan(box_at(0, 0, {width, 0.2, 0.06}), {}, neighbours, {}, start, options);
   };
   Neighbours wall;
@@ -144,12 +145,23 @@ TEST(PushOfAPlan, IsPlannedWhereItMayHelpOnly) {
     wall.meshes_W.push_back(one.mesh_W);
     wall.pieces_W.push_back(one.mesh_W);
   }
-  EXPECT_TRUE(plan_of({}, false, 0.15).push.segments.empty());
-  EXPECT_FALSE(plan_of({}, true, 0.15).push.segments.empty());
-  const PlatformPlan between = plan_of(wall, false, 0.05);
+  constexpr double kSure = 0.95, kFairlySure = 0.7, kUnsure = 0.3;
+  EXPECT_TRUE(plan_of({}, kSure, 0.15).push.segments.empty());
+  const PlatformPlan unsure = plan_of({}, kUnsure, 0.15);
+  EXPECT_FALSE(unsure.push.segments.empty());
+  EXPECT_NEAR(unsure.push.worth, 0.7, 1e-9);
+  // Two cans side by side look like one symmetric body: pushed once.
+  const PlatformPlan fairly_sure = plan_of({}, kFairlySure, 0.15);
+  EXPECT_FALSE(fairly_sure.push.segments.empty());
+  EXPECT_LT(fairly_sure.push.worth, unsure.push.worth) << "what is less sure is pushed first";
+  made = {{fairly_sure.push.hand.X_WG.translation(), fairly_sure.push.hand.approach_W}};
+  EXPECT_TRUE(plan_of({}, kFairlySure, 0.15).push.segments.empty());
+  EXPECT_FALSE(plan_of({}, kUnsure, 0.15).push.segments.empty());
+  made.clear();
+  const PlatformPlan between = plan_of(wall, kSure, 0.05);
   EXPECT_EQ(between.outcome, grasp::PlanOutcome::kUngraspable);
   EXPECT_FALSE(between.push.segments.empty()) << between.push.problem;
-  EXPECT_TRUE(plan_of({}, false, 0.05).push.segments.empty()) << "it can be grasped";
+  EXPECT_TRUE(plan_of({}, kFairlySure, 0.05).push.segments.empty()) << "it can be grasped";
 }
 
 INSTANTIATE_TEST_SUITE_P(Platforms, PushPlan,

@@ -21,7 +21,7 @@ class UnsurePlan : public ::testing::Test {
  protected:
   // Of two boxes with a gap the jaws do not fit in, as one object: only the smaller can be grasped.
   PlatformPlan plan(bool unsure, PlatformPlanOptions options, const Neighbours& beside = {}) const {
-    options.unsure_of_shape = unsure;
+    options.shape_confidence = unsure ? 0.3 : 0.6;
     options.arm.pick.budget = 0;
     options.remedies.budget = 0;
     const std::vector<geometry::TriangleMesh> boxes{box_at({0.05, 0.09, 0.12}, 0.09, 0),
