@@ -216,6 +216,8 @@ class ArmCycle : public Cycle {
   bool watch_slip();
   void set_down();
   void begin_place();
+  double time_to_stand() const;  // s, of the way down, by the prediction; 0: there is none
+  bool is_high() const;
   void after_setting_down();
   std::string slipped() const;  // in words, for the result; empty: it did not
   bool is_probe() const { return grasp().probe_H.has_value(); }

@@ -163,6 +163,11 @@ void ArmCycle::begin_place() {
   follow(part_of(*way, grasp().place_share), contact_force_down());
 }
 
+double ArmCycle::time_to_stand() const {
+  const JointTrajectory* way = segment(SegmentKind::kPlace);
+  return way ? grasp().place_share * way->duration() : 0;
+}
+
 // To so far past where they are to touch: with the efforts that they have now.
 void ArmCycle::drive_fingers(double past) {
   const Eigen::VectorXd goal = grasp().hand.at(past);

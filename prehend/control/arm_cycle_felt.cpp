@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kHighAboveTable = 0.7;  // of the way down: until then nothing else can bear it
 
-// `spent` [s] on the way down to a place, it is above all that was to bear what is held.
-bool is_high(const JointTrajectory* place, double spent) {
-  return place != nullptr && spent < kHighAboveTable * place->duration();
-}
-
 }  // namespace
+
+// On the way down to a place, it is above all that was to bear what is held.
+bool ArmCycle::is_high() const {
+  return time_to_stand() > 0 && spent() < kHighAboveTable * time_to_stand();
+}
 
 // How far the fingers have closed beyond the predicted touch [rad], by the joints' states.
 std::optional<double> ArmCycle::closure() const {
@@ -122,7 +122,7 @@ bool ArmCycle::watch_held() {
   const bool shaking = step_ == Step::kLower || step_ == Step::kRaise;
   if (!lifting && !carrying && !placing && !shaking && !inspects()) return false;
   bool by_weight = carrying || inspects();
-  if (placing) by_weight = is_high(segment(motion::SegmentKind::kPlace), spent());
+  if (placing) by_weight = is_high();
   const bool rests = placing || (step_ == Step::kLower && lowers_fully_);
   const std::string why = hand_.feels_its_grip()
                               ? (lifting ? std::string() : hand_.lost(rests))
@@ -162,7 +162,7 @@ void ArmCycle::check() {
 
 void ArmCycle::after_placing(MotionStatus status) {
   // Near its end the way is meant to meet what bears the object.
-  if (status == MotionStatus::kContact && is_high(segment(motion::SegmentKind::kPlace), spent())) {
+  if (status == MotionStatus::kContact && is_high()) {
     const double weight = holding_.weight().value_or(0);
     add_surprise(SurpriseKind::kTouchedTooEarly, weight, felt_contact(weight),
                  "opens where it touches");

@@ -31,10 +31,8 @@ bool ArmCycle::bears_alone() const {
     case Step::kRaise:
     case Step::kWait:
       return true;
-    case Step::kPlace: {
-      const JointTrajectory* way = segment(motion::SegmentKind::kPlace);
-      return way != nullptr && spent() < kAlone * way->duration();
-    }
+    case Step::kPlace:
+      return time_to_stand() > 0 && spent() < kAlone * time_to_stand();
     case Step::kLower:
       return lowered_ && (!lowers_fully_ || spent() < kAlone * lowered_->duration());
     default:

@@ -54,6 +54,7 @@ TEST(ArmGrasps, AreTheSameThereAndBack) {
   grasp.hand = {Eigen::Vector2d(0.1, 0.3), Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1, 0),
                 Eigen::Vector2d(-1, -2), Eigen::Vector2d(1, 2)};
   grasp.effort = 0.4;
+  grasp.place_share = 0.7;
   grasp.largest_effort = {2, 3};
   grasp.segments.insert(grasp.segments.begin() + 1, {motion::SegmentKind::kApproach, path});
   grasp.shifts = {{{0, 0.02, 0}, {0.1}}, {{0, -0.01, 0}, {-0.2}}};
@@ -70,6 +71,13 @@ TEST(ArmGrasps, AreTheSameThereAndBack) {
     ASSERT_EQ(back.segments[i].second.points.size(), 2u);
     EXPECT_EQ(back.segments[i].second.points[1].position,
               grasp.segments[i].second.points[1].position);
+  }
+  EXPECT_EQ(back.place_share, 0.7);
+  message.set_place_share(0);
+  EXPECT_EQ(arm_grasp_from_message(message).place_share, 1) << "at its end";
+  for (const double none : {-0.1, 1.1, std::nan("")}) {
+    message.set_place_share(none);
+    EXPECT_THROW(arm_grasp_from_message(message), geometry::InputError);
   }
   EXPECT_EQ(back.hand_joints, grasp.hand_joints);
   EXPECT_EQ(back.hand.closed, grasp.hand.closed);

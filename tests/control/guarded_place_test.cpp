@@ -1,0 +1,83 @@
+// The way down to a place goes on until what is held is felt to stand, or ends where it is
+// predicted to.
+
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/control/arm_cycle_fixture.h"
+
+namespace prehend::control {
+namespace {
+
+constexpr std::size_t kPlace = 5;  // of the paths that are asked for
+
+ArmGrasp guarded_grasp() {
+  ArmGrasp grasp = fake_grasp();
+  grasp.place_share = 0.6;
+  return grasp;
+}
+
+// Where the way down ends.
+double placed_at(Fakes& f, const ArmCycleOptions& options, bool has_wrist) {
+  ArmCycle cycle(options, f.arm, f.hand);
+  cycle.start({guarded_grasp()});
+  for (int i = 0; i < 4000 && !cycle.finished() && f.arm.asked.size() < kPlace; ++i) {
+    f.now.time += 0.02;
+    f.felt();
+    if (!has_wrist) f.now.wrist_force.reset();
+    cycle.step(f.now);
+  }
+  EXPECT_EQ(f.arm.asked.size(), kPlace) << cycle.result().reason;
+  return f.arm.asked.empty() ? 0 : f.arm.asked.back().points.back().position[0];
+}
+
+TEST(GuardedPlace, GoesOnWhereTheWristFeelsWhenItStands) {
+  Fakes f;
+  EXPECT_EQ(placed_at(f, {}, true), 5);
+  EXPECT_GT(f.arm.forces.back(), 0) << "it stops there";
+}
+
+TEST(GuardedPlace, EndsWhereItIsPredictedToStandElse) {
+  Fakes blind;
+  const double end = placed_at(blind, {}, false);
+  EXPECT_GT(end, 4.4);
+  EXPECT_LT(end, 4.8);
+  Fakes f;
+  ArmCycleOptions options;
+  options.reacts = false;
+  EXPECT_EQ(placed_at(f, options, true), end) << "nothing is reacted to";
+}
+
+// Of 2 s it is to stand after 1.2.
+TEST(GuardedPlace, WhatIsMetBeforeItIsToStandIsASurprise) {
+  for (const auto& [met, is_early] : {std::pair(0.5, true), std::pair(1.0, false)}) {
+    Fakes f;
+    ArmCycle cycle({}, f.arm, f.hand);
+    cycle.start({guarded_grasp()});
+    double begun = 0;  // s
+    for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
+      f.now.time += 0.02;
+      if (f.arm.asked.size() < kPlace) begun = f.now.time;
+      f.arm.says[kPlace] =
+          f.now.time - begun < met ? MotionStatus::kMoving : MotionStatus::kContact;
+      cycle.step(f.felt());
+    }
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+    EXPECT_EQ(surprise_of(cycle, SurpriseKind::kTouchedTooEarly) != nullptr, is_early) << met;
+  }
+}
+
+TEST(GuardedPlace, WhatStandsIsLetGoThereAndLeft) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  f.arm.says[kPlace] = MotionStatus::kContact;
+  cycle.start({guarded_grasp()});
+  f.run(cycle);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  ASSERT_GT(f.arm.asked.size(), kPlace);
+  EXPECT_EQ(f.arm.asked[kPlace].points.front().position[0], 5) << "the retreat begins where it is";
+}
+
+}  // namespace
+}  // namespace prehend::control
