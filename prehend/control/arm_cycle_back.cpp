@@ -64,9 +64,9 @@ void ArmCycle::relieve(bool opens_on) {
   if (opens_on_) hand_.stop();
   ++reliefs_;
   enter(Step::kRelieve, "going up from what it presses on");
-  follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))),
-                 opens_on_ ? kSmallRelief : kRelief),
-         0, false);
+  // Of the way that it was to go down.
+  const double share = grasp().place_share * (opens_on_ ? kSmallRelief : kRelief);
+  follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))), share), 0, false);
 }
 
 // Between what stands beside its place a gripper's jaws do not open all the way.

@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kSides = 64;    // directions in which outlines are compared
 constexpr double kSamePlace = 0.02;   // m
 constexpr double kRegionStep = 0.04;  // m
+constexpr double kEdge = 0.03;        // m: what is put nearer to a region's edge may be beside it
 constexpr double kStands = 0.01;      // m, over the table: so far a predicted bottom may be off
 constexpr double kUpright = 0.1;      // of a normal's z: below, the table says nothing of x and y
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -156,8 +157,9 @@ class Chooser {
       for (int i = -std::min(ring, most.x()); i <= std::min(ring, most.x()); ++i) {
         for (int j = -std::min(ring, most.y()); j <= std::min(ring, most.y()); ++j) {
           if (std::max(std::abs(i), std::abs(j)) != ring) continue;
-          const Eigen::Vector2d at = region.center + kRegionStep * Eigen::Vector2d(i, j);
-          consider(on_table(table, at) - middle_W_, choice);
+          const Eigen::Vector2d aside = kRegionStep * Eigen::Vector2d(i, j);
+          const double inside = (0.5 * region.size - aside.cwiseAbs()).minCoeff();
+          consider(on_table(table, region.center + aside) - middle_W_, choice, inside < kEdge);
         }
       }
     }
@@ -175,28 +177,31 @@ class Chooser {
       Eigen::Vector3d move_W;
       double room = 0;
     };
-    std::vector<Found> roomy, narrow;
+    std::vector<Found> roomy, narrow, at_edge;
     std::string why;  // of a place with room that cannot be reached
 
     std::vector<Eigen::Vector3d> ordered() {
-      std::stable_sort(narrow.begin(), narrow.end(),
-                       [](const Found& a, const Found& b) { return a.room > b.room; });
+      const auto has_more_room = [](const Found& a, const Found& b) { return a.room > b.room; };
+      std::stable_sort(narrow.begin(), narrow.end(), has_more_room);
+      std::stable_sort(at_edge.begin(), at_edge.end(), has_more_room);
       std::vector<Eigen::Vector3d> moves_W;
-      for (const auto* all : {&roomy, &narrow}) {
+      for (const auto* all : {&roomy, &narrow, &at_edge}) {
         for (const Found& found : *all) moves_W.push_back(found.move_W);
       }
       return moves_W;
     }
   };
 
-  void consider(const Eigen::Vector3d& move_W, Choice& choice) const {
+  void consider(const Eigen::Vector3d& move_W, Choice& choice, bool is_at_edge = false) const {
     const double found = room_at(axes_.flat(move_W), nullptr);
     if (found < options_.clearance) return;
     if (const std::string why = unreachable(move_W); !why.empty()) {
       choice.why = why;
       return;
     }
-    (found >= options_.enough ? choice.roomy : choice.narrow).push_back({move_W + down_W_, found});
+    auto& list =
+        is_at_edge ? choice.at_edge : (found >= options_.enough ? choice.roomy : choice.narrow);
+    list.push_back({move_W + down_W_, found});
   }
 
   /// Straight up or down to the table.

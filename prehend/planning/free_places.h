@@ -22,7 +22,8 @@ struct PlaceOptions {
   /// Where the object's middle is to stand, x and y of the world [m]: this place or none.
   std::optional<Eigen::Vector2d> given_W;
   /// The part of the table in which the object's middle is to stand, along x and y of the world
-  /// [m]; its middle is tried first.
+  /// [m]; its middle is tried first, what is within 3 cm of its edge last, as predictions are off
+  /// by so much.
   struct Region {
     std::string name;
     Eigen::Vector2d center = Eigen::Vector2d::Zero();

@@ -1,5 +1,6 @@
 #include "prehend/planning/free_places.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -137,6 +138,25 @@ TEST(FreePlaces, AMiddleThatIsGivenIsWhatStandsThere) {
     EXPECT_LE(std::abs(from_middle.x()), 0.05);
     EXPECT_LE(std::abs(from_middle.y()), 0.025);
   }
+}
+
+// Regression: a can was put at the edge of its place, stood 2 mm beside it, and was moved twice
+// more.
+TEST(FreePlaces, TheEdgeOfARegionIsLast) {
+  PlaceOptions options;
+  options.region_W = {"beside", {0, 0.3}, {0.2, 0.2}};
+  const FreePlaces places = free_places({}, box(0, 0, 0.03, 0.1), {}, options);
+  const auto is_at_edge = [](const Eigen::Vector3d& move) {
+    return std::max(std::abs(move.x()), std::abs(move.y() - 0.3)) > 0.07;
+  };
+  const auto first = std::find_if(places.moves_W.begin(), places.moves_W.end(), is_at_edge);
+  EXPECT_EQ(first - places.moves_W.begin(), 9);
+  EXPECT_TRUE(std::all_of(first, places.moves_W.end(), is_at_edge));
+  // Better there than nowhere.
+  const FreePlaces beside =
+      free_places({}, box(0, 0, 0.03, 0.1), {box(0, 0.3, 0.02, 0.1)}, options);
+  ASSERT_FALSE(beside.moves_W.empty());
+  EXPECT_TRUE(is_at_edge(beside.moves_W.front()));
 }
 
 TEST(FreePlaces, WhatStoodOnAnotherIsPutOnTheTable) {
