@@ -18,42 +18,39 @@ ArmGrasp guarded_grasp() {
   return grasp;
 }
 
+ArmCycleOptions reacting() {
+  ArmCycleOptions options;
+  options.reacts = true;
+  return options;
+}
+
 // Where the way down ends.
-double placed_at(Fakes& f, const ArmCycleOptions& options, bool has_wrist) {
+double placed_at(Fakes& f, const ArmCycleOptions& options) {
   ArmCycle cycle(options, f.arm, f.hand);
   cycle.start({guarded_grasp()});
-  for (int i = 0; i < 4000 && !cycle.finished() && f.arm.asked.size() < kPlace; ++i) {
-    f.now.time += 0.02;
-    f.felt();
-    if (!has_wrist) f.now.wrist_force.reset();
-    cycle.step(f.now);
-  }
+  f.run(cycle, 4000, kPlace);
   EXPECT_EQ(f.arm.asked.size(), kPlace) << cycle.result().reason;
   return f.arm.asked.empty() ? 0 : f.arm.asked.back().points.back().position[0];
 }
 
-TEST(GuardedPlace, GoesOnWhereTheWristFeelsWhenItStands) {
+TEST(GuardedPlace, GoesOnWhereItIsFeltToStand) {
   Fakes f;
-  EXPECT_EQ(placed_at(f, {}, true), 5);
-  EXPECT_GT(f.arm.forces.back(), 0) << "it stops there";
+  EXPECT_EQ(placed_at(f, reacting()), 5);
+  EXPECT_LT(f.arm.forces.back(), ArmCycleOptions{}.collision_force) << "it stops there";
 }
 
-TEST(GuardedPlace, EndsWhereItIsPredictedToStandElse) {
-  Fakes blind;
-  const double end = placed_at(blind, {}, false);
+TEST(GuardedPlace, EndsWhereItIsPredictedToStandWhereNothingIsReactedTo) {
+  Fakes f;
+  const double end = placed_at(f, {});
   EXPECT_GT(end, 4.4);
   EXPECT_LT(end, 4.8);
-  Fakes f;
-  ArmCycleOptions options;
-  options.reacts = false;
-  EXPECT_EQ(placed_at(f, options, true), end) << "nothing is reacted to";
 }
 
 // Of 2 s it is to stand after 1.2.
 TEST(GuardedPlace, WhatIsMetBeforeItIsToStandIsASurprise) {
   for (const auto& [met, is_early] : {std::pair(0.5, true), std::pair(1.0, false)}) {
     Fakes f;
-    ArmCycle cycle({}, f.arm, f.hand);
+    ArmCycle cycle(reacting(), f.arm, f.hand);
     cycle.start({guarded_grasp()});
     double begun = 0;  // s
     for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
@@ -70,7 +67,7 @@ TEST(GuardedPlace, WhatIsMetBeforeItIsToStandIsASurprise) {
 
 TEST(GuardedPlace, WhatStandsIsLetGoThereAndLeft) {
   Fakes f;
-  ArmCycle cycle({}, f.arm, f.hand);
+  ArmCycle cycle(reacting(), f.arm, f.hand);
   f.arm.says[kPlace] = MotionStatus::kContact;
   cycle.start({guarded_grasp()});
   f.run(cycle);
