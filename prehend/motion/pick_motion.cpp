@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <utility>
 
 #include "prehend/motion/pick_ledger.h"
 #include "prehend/motion/pick_scenes.h"
+#include "prehend/motion/pick_ways.h"
 #include "prehend/motion/plan_path.h"
 
 namespace prehend::motion {
@@ -21,30 +21,11 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kShareForGoals = 0.5;  // of a tier's time, when there is a goal already
 constexpr double kShareOfTier = 0.5;    // of what is left of the budget, when others remain
-constexpr int kWaysDown = 4;            // to one place
-
-RigidTransform moved(const RigidTransform& X_BT, const Eigen::Vector3d& by_B) {
-  RigidTransform X = X_BT;
-  X.translation() += by_B;
-  return X;
-}
-
-std::vector<Positions> reversed(std::vector<Positions> way) {
-  std::reverse(way.begin(), way.end());
-  return way;
-}
 
 /// From pregrasp to lifted, for one solution of one grasp.
 struct Goal {
   std::size_t grasp = 0;
   std::vector<Positions> approach, lift;
-};
-
-/// From above a place to beside it.
-struct WayDown {
-  std::vector<Positions> down, retreat;
-  RigidTransform X_BO;  // of the object at its end, by its shape
-  Positions stands;     // when it is there
 };
 
 /// The first place of a grasp that it can be put down at, and how.
@@ -73,6 +54,7 @@ class Picker {
         task_(task),
         options_(options),
         scenes_(robot, task),
+        ways_(scenes_, inverse, task, options),
         planner_(PlannerRegistry().create(options.planner)) {}
 
   PickMotion plan() {
@@ -131,40 +113,6 @@ class Picker {
     PathOptions path = options_.path;
     path.budget = options_.budget > 0 ? std::max(1e-6, slice_begin_ + slice_ - elapsed()) : 0;
     return path;
-  }
-
-  JointPath straight(const RobotInWorld& scene, const Positions& from,
-                     const RigidTransform& X_BT) const {
-    return straight_path(scene, from, X_BT, options_.straight_step);
-  }
-
-  struct Raised {
-    JointPath up;
-    std::string problem;  // what is carried touches there; "": nothing
-  };
-
-  /// Straight up from `q`: by clear_height, else by lift_height, or by as much more as what is held
-  /// needs to clear what stands about it; by lift_height where more does not help.
-  Raised raised(const RobotInWorld& scene, const Positions& q, const RigidTransform& X_BT,
-                const RobotInWorld* carry) const {
-    constexpr double kMore = 0.05;  // m
-    constexpr int kTries = 7;
-    const double clear = std::min(task_.clear_height, options_.lift_height + kMore * (kTries - 1));
-    if (carry && clear > options_.lift_height) {
-      Raised over{straight(scene, q, moved(X_BT, clear * task_.up_B)), ""};
-      if (over.up.found() && carry->problem(over.up.waypoints.back()).empty()) return over;
-    }
-    Raised first;
-    for (int i = 0; i < kTries; ++i) {
-      const double height = options_.lift_height + i * kMore;
-      Raised one{straight(scene, q, moved(X_BT, height * task_.up_B)), ""};
-      if (one.up.found() && carry) one.problem = carry->problem(one.up.waypoints.back());
-      if (one.up.found() && one.problem.empty()) return one;
-      const bool goes_on = one.up.found();
-      if (i == 0) first = std::move(one);
-      if (!goes_on) break;
-    }
-    return first;
   }
 
   /// A motion for one of these grasps; false when there is none.
@@ -246,7 +194,7 @@ class Picker {
       return false;
     }
     const Eigen::Vector3d back = -grasp.pregrasp_distance * grasp.approach_direction_B;
-    JointPath away = straight(scenes_.approach(), q, moved(grasp.X_BT, back));
+    JointPath away = ways_.straight(scenes_.approach(), q, moved_by(grasp.X_BT, back));
     if (!away.found()) {
       miss = miss_of(PickFilter::kApproach, away);
       return false;
@@ -257,7 +205,8 @@ class Picker {
     }
     std::optional<RobotInWorld> carry;
     if (is_placed()) carry.emplace(scenes_.carry(grasp));
-    auto [up, problem] = raised(scenes_.lift(grasp, q), q, grasp.X_BT, carry ? &*carry : nullptr);
+    auto [up, problem] =
+        ways_.raised(scenes_.lift(grasp, q), q, grasp.X_BT, carry ? &*carry : nullptr);
     if (!up.found()) {
       miss = miss_of(PickFilter::kLift, up);
       return false;
@@ -266,7 +215,8 @@ class Picker {
       miss = {PickFilter::kLift, 1, "when lifted, " + problem};
       return false;
     }
-    goal.approach = reversed(std::move(away.waypoints));
+    goal.approach = std::move(away.waypoints);
+    std::reverse(goal.approach.begin(), goal.approach.end());
     goal.lift = std::move(up.waypoints);
     return true;
   }
@@ -281,86 +231,13 @@ class Picker {
     const RobotInWorld carry = scenes_.carry(grasp);
     place.ways.clear();
     for (place.index = first; place.index < task_.X_BO_places.size(); ++place.index) {
-      const PickMiss miss =
-          find_ways_down(grasp, seed, task_.X_BO_places[place.index], carry, place.ways);
+      const PickMiss miss = ways_.down(
+          grasp, seed, task_.X_BO_places[place.index], carry, [this] { return is_over(1); },
+          &place.ways);
       if (!place.ways.empty()) return {};
       if (farthest.text.empty() || miss.passed > farthest.passed) farthest = miss;
     }
     return farthest;
-  }
-
-  /// Ways down to a place and back; the farthest miss when there are none.
-  PickMiss find_ways_down(const PickGrasp& grasp, const Positions& seed,
-                          const RigidTransform& X_BO_place, const RobotInWorld& carry,
-                          std::vector<WayDown>& ways) const {
-    RigidTransform X_BO = X_BO_place;
-    const double rise =
-        task_.up_B.dot(X_BO.translation() - task_.object.X_BO.translation());  // m, of the hand
-    X_BO.translation() += std::max(0.0, -rise - grasp.room_below) * task_.up_B;
-    const double below = std::max(0.0, grasp.room_below + rise);
-    const RigidTransform X_BT = scenes_.X_BT_at(grasp, X_BO);
-    const InverseAnswer answer = inverse_.solve(X_BT, seed);
-    if (answer.solutions.empty()) return {PickFilter::kPlace, -1 - answer.miss, answer.reason};
-    PickMiss farthest{PickFilter::kPlace, -1, ""};
-    const auto note = [&farthest](double passed, std::string text) {
-      if (farthest.text.empty() || passed > farthest.passed) {
-        farthest = {PickFilter::kPlace, passed, std::move(text)};
-      }
-    };
-    const RobotInWorld retreat = scenes_.retreat(X_BO);
-    for (const Positions& q : answer.solutions) {
-      if (ways.size() >= kWaysDown || is_over(1)) break;
-      if (const std::string sunk = sinks_in(carry, q); !sunk.empty()) {
-        note(0, "at the place, " + sunk);
-        continue;
-      }
-      const auto [up, problem] = raised(scenes_.lift(grasp, q), q, X_BT, &carry);
-      if (!up.found()) {
-        note(1 + up.completed, "on the way down, backwards, " + up.reason);
-        continue;
-      }
-      if (!problem.empty()) {
-        note(2, "above the place, " + problem);
-        continue;
-      }
-      const Eigen::Vector3d back = -grasp.pregrasp_distance * scenes_.approach_at(grasp, X_BO);
-      JointPath away = straight(retreat, q, moved(X_BT, back));
-      if (!away.found()) {
-        note(3 + away.completed, "on the way back, " + away.reason);
-        continue;
-      }
-      std::vector<Positions> down = reversed(up.waypoints);
-      if (task_.goes_on_down && std::isfinite(below)) {
-        const std::vector<Positions> more = on_down(q, X_BT, below);
-        down.insert(down.end(), more.begin(), more.end());
-      }
-      ways.push_back({std::move(down), std::move(away.waypoints), X_BO, q});
-    }
-    return farthest;
-  }
-
-  /// Straight on down from `q` by `length` [m], or as much of it as is free, without `q`.
-  std::vector<Positions> on_down(const Positions& q, const RigidTransform& X_BT,
-                                 double length) const {
-    constexpr double kLeast = 0.005;  // m
-    for (; length > kLeast; length *= 0.5) {
-      JointPath more = straight(scenes_.approach(), q, moved(X_BT, -length * task_.up_B));
-      if (more.found()) return {more.waypoints.begin() + 1, more.waypoints.end()};
-    }
-    return {};
-  }
-
-  /// What the object would be deeper in than its cover's balls are larger than it.
-  std::string sinks_in(const RobotInWorld& carry, const Positions& q) const {
-    for (const std::string& name : carry.world().names()) {
-      const double depth = -carry.held_clearance(name, q);
-      if (depth <= task_.object.cover_O.overshoot + 1e-3) continue;
-      char text[160];
-      std::snprintf(text, sizeof text, "the object would be %.0f mm in '%.80s'",
-                    1e3 * (depth - task_.object.cover_O.overshoot), name.c_str());
-      return text;
-    }
-    return {};
   }
 
   /// The way on from a goal that was reached; false when there is none.
@@ -512,6 +389,7 @@ class Picker {
   const PickTask& task_;
   const PickOptions& options_;
   PickScenes scenes_;
+  PickWays ways_;
   std::unique_ptr<const PathPlanner> planner_;
   Clock::time_point begin_ = Clock::now();
   double last_lap_ = 0;
