@@ -29,6 +29,7 @@ class PickWays {
            const PickOptions& options)
       : scenes_(scenes), inverse_(inverse), task_(task), options_(options) {}
 
+  /// straight_path() of the tip by PickOptions::straight_step.
   JointPath straight(const RobotInWorld& scene, const robot::Positions& from,
                      const geometry::RigidTransform& X_BT) const;
 
@@ -42,8 +43,10 @@ class PickWays {
   Raised raised(const RobotInWorld& scene, const robot::Positions& q,
                 const geometry::RigidTransform& X_BT, const RobotInWorld* carry) const;
 
-  /// Adds ways down to a place and back, until there are some or it `is_over`; the farthest miss
-  /// when there are none.
+  /// Adds ways down to a place and back, four at most, until it `is_over`; the farthest miss when
+  /// there are none. The object ends higher than X_BO_place where the hand has no room to be so
+  /// low, and the way goes on below with PickTask::goes_on_down.
+  /// @param seed positions that solutions are to be near. @param carry with the object held.
   PickMiss down(const PickGrasp& grasp, const robot::Positions& seed,
                 const geometry::RigidTransform& X_BO_place, const RobotInWorld& carry,
                 const std::function<bool()>& is_over, std::vector<WayDown>* ways) const;
