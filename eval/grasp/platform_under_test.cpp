@@ -8,6 +8,7 @@
 #include "eval/grasp/platform_execution.h"
 #include "eval/processor_time.h"
 #include "prehend/simulation/stage_arm.h"
+#include "prehend/surface/object_model.h"
 
 namespace prehend::eval {
 namespace {
@@ -36,6 +37,10 @@ planning::PlatformPlan PlatformUnderTest::plan(const Belief& belief,
   const robot::Platform& platform = planner_.platform();
   planning::PlatformPlanOptions options(platform.hand);
   options.touch.emplace().threads = 1;
+  if (belief.shape) {
+    options.shape_confidence =
+        surface::mesh_confidence(belief.shape->confidence, belief.object.substitute);
+  }
   if (setting.change) setting.change(&options);
   options.grasps.threads = 1;
   return planner_.plan(belief.object, {}, belief.others, {}, platform.home(home_).arm, options);
