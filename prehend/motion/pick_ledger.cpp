@@ -47,8 +47,7 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
           "the start needs " + std::to_string(size) + " finite positions");
   require(is_unit(task.up_B), "up_B must be a unit vector");
   require(task.object.X_BO.matrix().allFinite(), "the object's pose must be finite");
-  require(task.clear_height >= 0 && std::isfinite(task.clear_height),
-          "clear_height must not be negative");
+  require(!task.clear_height || std::isfinite(*task.clear_height), "clear_height must be finite");
   for (const geometry::RigidTransform& X_BO : task.X_BO_places) {
     require(X_BO.matrix().allFinite(), "a place must be finite");
   }

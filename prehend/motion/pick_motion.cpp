@@ -206,7 +206,7 @@ class Picker {
     std::optional<RobotInWorld> carry;
     if (is_placed()) carry.emplace(scenes_.carry(grasp));
     auto [up, problem] =
-        ways_.raised(scenes_.lift(grasp, q), q, grasp.X_BT, carry ? &*carry : nullptr);
+        ways_.raised(scenes_.lift(grasp, q), q, grasp.X_BT, 0, carry ? &*carry : nullptr);
     if (!up.found()) {
       miss = miss_of(PickFilter::kLift, up);
       return false;

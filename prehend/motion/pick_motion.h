@@ -40,9 +40,10 @@ struct PickTask {
   /// Where the object may go, best first; empty: it is only lifted.
   std::vector<geometry::RigidTransform> X_BO_places;
   Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();  // away from the table; unit
-  /// m, >= 0: lifted so far, the object is above all that stands about. It is carried so high where
-  /// the arm reaches that; 0: by PickOptions::lift_height, as far as the object's shape allows.
-  double clear_height = 0;
+  /// m: lifted so far from X_BO, the object is above all that stands about; negative: it is. It is
+  /// carried so high where the arm reaches that, over the place, too. None: by
+  /// PickOptions::lift_height, as far as the object's shape allows.
+  std::optional<double> clear_height;
   /// The way down to the place goes on as far as the hand may (PickGrasp::room_below, where that is
   /// finite): for an object that may end higher than its shape, by an arm that feels when it
   /// stands.

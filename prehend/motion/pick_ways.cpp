@@ -36,11 +36,13 @@ JointPath PickWays::straight(const RobotInWorld& scene, const Positions& from,
 }
 
 PickWays::Raised PickWays::raised(const RobotInWorld& scene, const Positions& q,
-                                  const RigidTransform& X_BT, const RobotInWorld* carry) const {
+                                  const RigidTransform& X_BT, double rise,
+                                  const RobotInWorld* carry) const {
   constexpr double kMore = 0.05;  // m
   constexpr int kTries = 7;
-  const double clear = std::min(task_.clear_height, options_.lift_height + kMore * (kTries - 1));
-  if (carry && clear > options_.lift_height) {
+  const double clear =
+      std::min(task_.clear_height.value_or(0) - rise, options_.lift_height + kMore * (kTries - 1));
+  if (carry && task_.clear_height && clear > options_.lift_height) {
     Raised over{straight(scene, q, moved_by(X_BT, clear * task_.up_B)), ""};
     if (over.up.found() && carry->problem(over.up.waypoints.back()).empty()) return over;
   }
@@ -81,7 +83,8 @@ PickMiss PickWays::down(const PickGrasp& grasp, const Positions& seed,
       note(0, "at the place, " + sunk);
       continue;
     }
-    const auto [up, problem] = raised(scenes_.lift(grasp, q), q, X_BT, &carry);
+    const auto [up, problem] =
+        raised(scenes_.lift(grasp, q), q, X_BT, std::max(rise, -grasp.room_below), &carry);
     if (!up.found()) {
       note(1 + up.completed, "on the way down, backwards, " + up.reason);
       continue;

@@ -37,11 +37,13 @@ class PickWays {
     JointPath up;
     std::string problem;  // what is carried touches there; "": nothing
   };
-  /// Straight up from `q`: by clear_height, else by lift_height, or by as much more as what is held
-  /// needs to clear what stands about it; by lift_height where more does not help.
-  /// @param carry what must be free there; null: nothing.
+  /// Straight up from `q`: until the object is clear_height over where it was picked, else by
+  /// lift_height, or by as much more as what is held needs to clear what stands about it; by
+  /// lift_height where more does not help.
+  /// @param rise m, of the object at `q` over where it was picked. @param carry what must be free
+  /// there; null: nothing.
   Raised raised(const RobotInWorld& scene, const robot::Positions& q,
-                const geometry::RigidTransform& X_BT, const RobotInWorld* carry) const;
+                const geometry::RigidTransform& X_BT, double rise, const RobotInWorld* carry) const;
 
   /// Adds ways down to a place and back, four at most, until it `is_over`; the farthest miss when
   /// there are none. The object ends higher than X_BO_place where the hand has no room to be so

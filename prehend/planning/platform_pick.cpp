@@ -222,8 +222,8 @@ class PlatformPicker {
     return shapes_.size() - 1;
   }
 
-  /// m, by which the object is lifted to be above all obstacles; 0: it is.
-  static double height_over_all(const PlatformScene& scene) {
+  /// m, by which the object is lifted to be above all obstacles; none: there are none.
+  static std::optional<double> height_over_all(const PlatformScene& scene) {
     const Eigen::Vector3d& up_W = scene.table_W.normal;
     const double infinity = std::numeric_limits<double>::infinity();
     double lowest = infinity, highest = -infinity;
@@ -233,7 +233,8 @@ class PlatformPicker {
     for (const TriangleMesh& piece : scene.obstacle_pieces_W) {
       for (const Eigen::Vector3d& p : piece.vertices) highest = std::max(highest, up_W.dot(p));
     }
-    return scene.obstacle_pieces_W.empty() ? 0 : std::max(0.0, highest + kOverAll - lowest);
+    if (scene.obstacle_pieces_W.empty()) return std::nullopt;
+    return highest + kOverAll - lowest;
   }
 
   void take_turn(const std::vector<std::size_t>& turn, bool is_last) {

@@ -269,10 +269,18 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
                                                         const robot::Positions& start,
                                                         const PlatformPlanOptions& options,
                                                         PlatformPlan* plan) const {
-  const std::size_t all = grasps.size();
   std::vector<Turn> turns = this->turns(std::move(grasps), scene, options);
   const std::string no_place = turns.front().places.problem;
-  std::erase_if(turns, [](const Turn& turn) { return !turn.places.problem.empty(); });
+  std::size_t asked = 0;
+  std::erase_if(turns, [&](const Turn& turn) {
+    asked += turn.grasps.size();
+    if (turn.places.problem.empty()) return false;
+    asked -= turn.grasps.size();
+    motion::add_rejections(
+        {{motion::PickFilter::kPlace, static_cast<int>(turn.grasps.size()), turn.places.problem}},
+        &plan->arm_rejections);
+    return true;
+  });
   if (turns.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
     plan->problem = no_place + ". " + kPlaceMend;
@@ -297,11 +305,11 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
     if (const double budget = options.arm.pick.budget; budget > 0) {
       arm.pick.budget = std::max(1e-3, budget - in_vain);
     }
-    const auto asked = steady_clock::now();
+    const auto begin = steady_clock::now();
     PlatformPick pick = plan_platform_pick(platform_, start, poses, scene, arm);
     if (is_first_try) motion::add_rejections(pick.motion.rejections, &plan->arm_rejections);
     if (!pick.motion.found()) {
-      in_vain += seconds_since(asked);
+      in_vain += seconds_since(begin);
       if (arm_problem.empty()) arm_problem = pick.motion.problem;
       if (is_first_try && unreached.grasps.empty()) unreached = {std::move(poses), arm};
       ++t;
@@ -321,7 +329,7 @@ PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp
   }
   if (plan->picks.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
-    plan->problem = fmt::format("the arm can execute none of {} grasps: {}", all, arm_problem);
+    plan->problem = fmt::format("the arm can execute none of {} grasps: {}", asked, arm_problem);
     return unreached;
   }
   for (Turn& turn : turns) {
@@ -350,7 +358,8 @@ void PlatformPlanner::add_push(const grasp::HandToClose& hand, const surface::Ob
                                                rejection.reason == grasp::Reason::kFingerObstacle;
                                       });
   const bool is_unsure = options.shape_confidence < kSureOfShape;
-  // Also where there are grasps, which may all fail.
+  if (is_blocked && !is_unsure && can_be_executed(*plan)) return;
+  // What may be several things also where there are grasps, which may all fail.
   if (!is_blocked && !is_unsure) {
     // One thing with room about it stays what it is. Two that look like one are parted once or not.
     const bool was_pushed = std::any_of(

@@ -41,7 +41,9 @@ struct PlannedPick {
 
 /// An answer, kGraspable when something can be executed, with what it is of.
 struct PlatformPlan : grasp::PlanAnswer {
-  std::vector<PlannedPick> picks;  // those with a motion, best first, then the others, best first
+  /// Those with a motion, best first, then the others; of an unsure shape each turn of grasps that
+  /// hold the same of it, the best grasp's first.
+  std::vector<PlannedPick> picks;
   std::vector<grasp::Rejection> rejections;           // where other candidates fell
   std::vector<motion::PickRejection> arm_rejections;  // where grasps fell for want of a motion
   /// What may be done with it, best first, by the grasps with a motion; empty: their chances are
@@ -90,8 +92,9 @@ struct PlatformPlanOptions {
   /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
-  /// How it can be pushed, where candidates fell for what stands beside it, its shape is unsure, or
-  /// it has no grasp, is less than 90 % sure, and was not pushed before; none: no push is planned.
+  /// How it can be pushed: where its shape is unsure, below 0.5; and where the arm can execute no
+  /// grasp, as candidates fell for what stands beside it, or as it is less than 90 % sure and was
+  /// not pushed before. None: no push is planned.
   std::optional<PushPlanOptions> push;
   /// The camera that the arm carries; none: no look from elsewhere is planned.
   std::optional<geometry::StereoCamera> carried_camera;

@@ -245,6 +245,32 @@ TEST_P(PlatformPickTest, IsCarriedOverAllWhereItIsGuarded) {
   }
 }
 
+// Regression: a can that had stood on a box was carried as high over the table as over the box, and
+// into what stands about its place.
+TEST_P(PlatformPickTest, WhatStoodHigherIsLetDownFromOverAllToo) {
+  constexpr double kBox = 0.1;  // m, that it stands on
+  for (TriangleMesh& piece : scene.object_pieces_W) {
+    piece = geometry::transformed(
+        piece, geometry::make_transform(Eigen::Quaterniond::Identity(), {0, 0, kBox}));
+  }
+  scene.obstacle_pieces_W = {box_at({0.1, 0.1, kBox}, {0, 0, kBox / 2}),
+                             box_at({0.04, 0.04, 0.2}, {0.15, 0.1, 0.1})};
+  PlatformPickOptions options;
+  options.moves_W = {{0, 0.2, -kBox}};
+  options.guarded = true;
+  const auto pick = plan_platform_pick(platform, home(),
+                                       {from_above(platform, {0, 0, 0.14 + kBox})}, scene, options);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  const robot::KinematicChain chain = platform.arm_chain();
+  const auto height = [&](const robot::Positions& q) {
+    return (platform.X_WB * chain.forward(q)).translation().z();
+  };
+  const auto& lift = pick.motion.segments[2].waypoints;
+  const auto& place = pick.motion.segments[4].waypoints;
+  EXPECT_NEAR(height(lift.back()) - height(lift.front()), 0.15, 1e-3);
+  EXPECT_GT(height(place.front()), height(lift.front()) - kBox + 0.25 - 1e-3);
+}
+
 // Of the hand's links [m] over the table, closed so.
 double lowest_of(const robot::Platform& platform, const RigidTransform& X_WG,
                  const std::string& preshape, const Eigen::VectorXd& all) {
