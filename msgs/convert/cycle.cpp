@@ -118,6 +118,11 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
                                "Look for the fault in the node that published it");
   }
   if (grasp.place_share() > 0) result.place_share = grasp.place_share();
+  result.place_length = grasp.place_length();
+  if (!std::isfinite(result.place_length) || result.place_length < 0) {
+    throw geometry::InputError("A grasp whose place_length is no length",
+                               "Look for the fault in the node that published it");
+  }
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(from_message(segment.kind()), from_message(segment.trajectory()));
   }
@@ -195,6 +200,7 @@ void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
   }
   message->set_held_views_problem(grasp.views_problem);
   if (grasp.place_share < 1) message->set_place_share(grasp.place_share);
+  message->set_place_length(grasp.place_length);
   for (const std::string& name : grasp.hand_joints) message->add_hand_joint_name(name);
   for (const double position : grasp.hand.open) message->add_open_position(position);
   for (const double position : grasp.hand.closed) message->add_closed_position(position);

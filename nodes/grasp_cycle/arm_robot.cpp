@@ -184,7 +184,15 @@ std::string ArmRobot::waits_for() const {
   return !has_gripper() || known ? "" : gripper_.missing();
 }
 
+// @throws std::runtime_error for a plan for another gripper.
+void ArmRobot::check_gripper(const msgs::GraspPlan& plan) const {
+  if (!has_gripper()) return;
+  const std::string other = gripper_.differs_from(plan);
+  if (!other.empty()) throw std::runtime_error(other);
+}
+
 void ArmRobot::prepare_push(const msgs::GraspPlan& plan) {
+  check_gripper(plan);
   prepared_ = {convert::push_from_message(plan.push())};
   advice_ = {};
 }
@@ -202,11 +210,7 @@ void ArmRobot::start(const std::string& problem) {
 }
 
 std::string ArmRobot::prepare(const View& view, const Target& target, std::optional<int> first) {
-  if (const std::string other =
-          has_gripper() ? gripper_.differs_from(*view.plans.at(target.id)) : "";
-      !other.empty()) {
-    throw std::runtime_error(other);
-  }
+  check_gripper(*view.plans.at(target.id));
   std::vector<control::ArmGrasp> grasps;
   const auto model = view.models.find(target.id);
   const bool knows_slip = model != view.models.end() && model->second->has_friction() &&

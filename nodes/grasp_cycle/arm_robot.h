@@ -88,6 +88,7 @@ class ArmRobot {
 
  private:
   bool has_gripper() const { return pad_gripper_ != nullptr; }
+  void check_gripper(const msgs::GraspPlan& plan) const;
   control::ArmPercepts percepts() const;
   /// The pad that sent `frame`; null when it can be none of the hand's.
   std::shared_ptr<const touch::FeltPad> felt_pad(const std::string& name,

@@ -244,13 +244,17 @@ bool CycleNode::is_among(const std::vector<Eigen::Vector3d>& centroids_W,
 
 // With a task of all objects: it is at its place, or was given up.
 bool CycleNode::is_settled(const msgs::GraspPlan& plan) const {
-  if (!task_.all_objects) return false;
-  return task_.is_placed(convert::from_message(plan.centroid()).head<2>()) ||
-         is_among(given_up_W_, plan);
+  return is_placed(plan) || (task_.all_objects && is_among(given_up_W_, plan));
+}
+
+bool CycleNode::is_placed(const msgs::GraspPlan& plan) const {
+  return task_.all_objects && task_.is_placed(convert::from_message(plan.centroid()).head<2>());
 }
 
 void CycleNode::start(const View& view) {
   robot_patience_.reset();
+  given_up_W_.clear();  // by the cycle before
+  failed_W_.clear();
   object_ = node_.parameter<int>("object");
   grasp_ = node_.parameter<int>("grasp");
   if (grasp_ >= 0 && object_ < 0) {
@@ -259,7 +263,7 @@ void CycleNode::start(const View& view) {
   }
   const Target target = target_in(view, object_);
   if (target.grasps.empty()) {
-    if (!target.none_left && prepares_push(view)) return begin(grasp::in_words(target));
+    if (!target.none_left && prepares_push(view, object_)) return begin(grasp::in_words(target));
     target_ = target.id;
     control::CycleResult nothing;
     if (target.none_left) nothing.outcome = CycleOutcome::kSucceeded;
@@ -297,11 +301,12 @@ void CycleNode::take_target(const View& view, std::uint32_t id) {
   view_stamp_ = target_plan_->header().stamp();
 }
 
-bool CycleNode::prepares_push(const View& view) {
-  // Of predicted objects in a simulation only the target can be moved.
+bool CycleNode::prepares_push(const View& view, int object) {
+  // Without a target predicted objects are not put into a simulation.
   if (!task_.does(control::Primitive::kPush) || predicted_.wanted()) return false;
-  const msgs::GraspPlan* plan =
-      choose_push(view, [this](const msgs::GraspPlan& one) { return is_settled(one); });
+  const msgs::GraspPlan* plan = choose_push(view, [this, object](const msgs::GraspPlan& one) {
+    return object >= 0 ? one.id() != static_cast<std::uint32_t>(object) : is_placed(one);
+  });
   if (!plan) return false;
   robot_->prepare_push(*plan);
   take_target(view, plan->id());
@@ -313,8 +318,6 @@ void CycleNode::begin(const std::string& problem) {
   surprises_sent_ = surprises_before_ = 0;
   evidence_sent_ = loads_sent_ = looks_sent_ = percepts_sent_ = placed_sent_ = 0;
   last_detail_.clear();
-  given_up_W_.clear();
-  failed_W_.clear();
   robot_->start(problem);
   running_ = true;
 }
@@ -356,7 +359,8 @@ void CycleNode::look_again(double since) {
     const Target target = target_in(*view, object);
     if (target.grasps.empty()) {
       const std::string problem = grasp::in_words(target);
-      if (any && !target.none_left && prepares_push(*view)) return robot_->take_prepared(problem);
+      if (any && !target.none_left && prepares_push(*view, -1))
+        return robot_->take_prepared(problem);
       return robot_->take_nothing(problem);
     }
     const std::string destination = robot_->prepare(*view, target);
@@ -446,6 +450,7 @@ void CycleNode::publish_state(control::Phase phase, int grasp_index, const std::
   state.mutable_header()->set_stamp(node_.clock().now());
   state.set_phase(convert::to_message(phase));
   state.set_object_id(target_);
+  state.set_view_stamp(view_stamp_);
   state.set_grasp_index(static_cast<std::uint32_t>(grasp_index));
   state.set_detail(detail);
   if (running_ && !robot_->cycle().path().empty()) {

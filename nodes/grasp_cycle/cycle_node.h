@@ -36,13 +36,14 @@ class CycleNode {
   bool waits_for_robot();
   Target target_in(const View& view, int object) const;
   bool is_settled(const msgs::GraspPlan& plan) const;
+  bool is_placed(const msgs::GraspPlan& plan) const;
   static bool is_among(const std::vector<Eigen::Vector3d>& centroids_W,
                        const msgs::GraspPlan& plan);
   void start(const View& view);
   void begin(const std::string& problem = "");
   /// Gets ready to push something of a view without grasps; false: the task does not push, or
   /// nothing is to be pushed.
-  bool prepares_push(const View& view);
+  bool prepares_push(const View& view, int object);
   /// What is tried from now on.
   void take_target(const View& view, std::uint32_t id);
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.

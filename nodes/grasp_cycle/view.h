@@ -72,7 +72,7 @@ using OfObject = std::function<bool(const msgs::GraspPlan&)>;
 Target choose_target(const View& view, int object, const Lacks& lacks,
                      const OfObject& leaves_out = nullptr, const OfObject& comes_last = nullptr);
 
-/// The plan whose push has most room, of those that have one and that `leaves_out` does not say;
+/// The plan whose push is worth most, of those that have one and that `leaves_out` does not say;
 /// null: nothing is to be pushed.
 const msgs::GraspPlan* choose_push(const View& view, const OfObject& leaves_out);
 

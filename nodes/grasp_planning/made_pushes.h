@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "msgs/grasp.pb.h"
@@ -12,7 +14,7 @@ namespace prehend::nodes {
 /// another is to be tried.
 class MadePushes {
  public:
-  /// What may be pushed next.
+  /// What may be pushed next. Of the newest 256 plans that have a push.
   void planned(const msgs::GraspPlan& plan);
   /// A push that begins is made.
   void begun(const msgs::CycleState& state);
@@ -21,7 +23,8 @@ class MadePushes {
   const std::vector<planning::PushLine>& lines() const { return lines_; }
 
  private:
-  std::map<std::uint32_t, planning::PushLine> planned_;  // by object
+  using Object = std::pair<std::int64_t, std::uint32_t>;  // view [ns] and id: ids are of one view
+  std::map<Object, planning::PushLine> planned_;
   std::vector<planning::PushLine> lines_;
 };
 

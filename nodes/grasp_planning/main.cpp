@@ -110,7 +110,7 @@ class GraspPlanning {
     put_down_ = node_.subscribe<msgs::ObjectModel>(
         "/placed", graph::QoS::latched(64), [this](const auto& model) {
           node_.shield("what was put down is left out as an obstacle",
-                       [&] { placed_.add(*model); });
+                       [&] { placed_.add(*model, picked(*model)); });
         });
     states_ =
         node_.subscribe<msgs::CycleState>("/cycle/state", graph::QoS::queue(64),
@@ -151,6 +151,15 @@ class GraspPlanning {
       if (!node_.ok()) return;  // asked to end meanwhile
       plans_.publish(plan(*model));
     }
+  }
+
+  // What was put down, as the view had it; null where that is no more the newest.
+  const planning::Neighbours* picked(const msgs::ObjectModel& model) const {
+    const auto now = batch_.models().find(model.id());
+    const auto was = obstacles_.find(model.id());
+    const bool is_of_view = now != batch_.models().end() && was != obstacles_.end() &&
+                            now->second->header().stamp() == model.header().stamp();
+    return is_of_view ? &was->second : nullptr;
   }
 
   // What the view's objects are to each other. One that cannot be read is no obstacle, and is said.

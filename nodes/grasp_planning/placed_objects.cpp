@@ -34,7 +34,10 @@ bool PlacedObjects::Placed::is_seen_as(const planning::Neighbours& other) const 
                      });
 }
 
-void PlacedObjects::add(const msgs::ObjectModel& model) {
+void PlacedObjects::add(const msgs::ObjectModel& model, const planning::Neighbours* picked) {
+  if (picked) {
+    std::erase_if(placed_, [picked](const Placed& one) { return one.is_seen_as(*picked); });
+  }
   Placed one{neighbour_of(model), {}};
   one.box_W = geometry::bounds(one.shape.meshes_W.front());
   placed_.push_back(std::move(one));

@@ -17,8 +17,10 @@ planning::Neighbours neighbour_of(const msgs::ObjectModel& model);
 /// are in the way all the same.
 class PlacedObjects {
  public:
-  /// Keeps the newest 64. @throws geometry::InputError for a bad mesh.
-  void add(const msgs::ObjectModel& model);
+  /// Keeps the newest 64. @param picked what it was in the view that it was picked from, which is
+  /// no more where it was put down before; null: that view is not known.
+  /// @throws geometry::InputError for a bad mesh.
+  void add(const msgs::ObjectModel& model, const planning::Neighbours* picked);
   /// The cycle has ended: somebody may take away what was put down.
   void clear() { placed_.clear(); }
 

@@ -132,11 +132,12 @@ void ArmCycle::fail(const std::string& reason) {
   if (step_ == Step::kToView) return look_failed(reason);
   if (step_ == Step::kFromView)
     return abort("the arm stands where its camera looked from: " + reason);
-  if (inspects()) {
-    return give_up(fmt::format("grasp {}: {}", grasp_index(), reason), SurpriseKind::kMotion,
-                   Outcome::kLost);
-  }
-  give_up(fmt::format("grasp {}: {}", grasp_index(), reason));
+  const std::string what = grasp().pushes || is_probe() ? described(grasp(), grasp_index())
+                                                        : fmt::format("grasp {}", grasp_index());
+  // The first step of what is no grasp says what it is.
+  const std::string said = reason.starts_with(what + ": ") ? reason : what + ": " + reason;
+  if (inspects()) return give_up(said, SurpriseKind::kMotion, Outcome::kLost);
+  give_up(said);
 }
 
 void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem, Advice advice) {

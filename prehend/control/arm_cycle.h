@@ -216,7 +216,7 @@ class ArmCycle : public Cycle {
   bool watch_slip();
   void set_down();
   void begin_place();
-  double time_to_stand() const;  // s, of the way down, by the prediction; 0: there is none
+  bool can_relieve() const;
   bool is_high() const;
   void after_setting_down();
   std::string slipped() const;  // in words, for the result; empty: it did not
@@ -285,8 +285,9 @@ class ArmCycle : public Cycle {
   std::optional<double> stability_;  // that the lift holds, as judged last
   bool pressed_harder_ = false;      // in this attempt
   touch::HoldSlip hold_slip_;
-  bool holds_ = false;  // from the lift on: whether it slips is watched
-  double slid_ = 0;     // m, in this attempt
+  bool holds_ = false;        // from the lift on: whether it slips is watched
+  double slid_ = 0;           // m, in this attempt
+  double time_to_stand_ = 0;  // s, of the way down that was begun last; 0: there is none
   Step step_ = Step::kWait;
   double wait_time_ = 0;                    // s
   double share_ = 1;                        // of the greatest effort, that the motors press with

@@ -9,13 +9,13 @@
 namespace prehend::control {
 namespace {
 
-constexpr double kOnPath = 0.03;       // rad or m, from a path: it stands there
-constexpr double kLeastWay = 0.01;     // of a path, that is gone back
-constexpr double kRelief = 0.25;       // of the way down's time: some 2 cm of 15
-constexpr double kSmallRelief = 0.17;  // the same: some 5 mm
-constexpr int kMostReliefs = 6;        // of fingers that open
-constexpr int kMostHits = 3;           // of a retreat
-constexpr double kBackOff = 0.003;     // m, from what the jaws touch: they are to slide past it
+constexpr double kOnPath = 0.03;        // rad or m, from a path: it stands there
+constexpr double kLeastWay = 0.01;      // of a path, that is gone back
+constexpr double kRelief = 0.015;       // m, back up from what it presses on
+constexpr double kSmallRelief = 0.005;  // m
+constexpr int kMostReliefs = 6;         // of fingers that open
+constexpr int kMostHits = 3;            // of a retreat
+constexpr double kBackOff = 0.003;      // m, from what the jaws touch: they are to slide past it
 
 }  // namespace
 
@@ -47,8 +47,8 @@ bool ArmCycle::back_off() {
 }
 
 bool ArmCycle::presses() const {
-  return is_at_place() && failure().empty() && segment(motion::SegmentKind::kPlace) &&
-         percepts_.wrist_force && percepts_.wrist_force->norm() > options_.contact_force;
+  return is_at_place() && failure().empty() && can_relieve() && percepts_.wrist_force &&
+         percepts_.wrist_force->norm() > options_.contact_force;
 }
 
 // Fingers that unroll come down, onto the table or the floor of a cup: opened by force they stay
@@ -57,24 +57,29 @@ bool ArmCycle::opens_onto_something() const {
   return step_ == Step::kRelease && reliefs_ < kMostReliefs && !hand_.feels_its_grip() && presses();
 }
 
+bool ArmCycle::can_relieve() const {
+  return segment(motion::SegmentKind::kPlace) != nullptr && grasp().place_length > 0;
+}
+
 void ArmCycle::relieve(bool opens_on) {
   const JointTrajectory& place = *segment(motion::SegmentKind::kPlace);
   const double gone = nearest_on(place, percepts_.names, percepts_.positions).share;
+  const double came = std::max(way_gone(place, gone) * grasp().place_length, kSmallRelief);
+  const JointTrajectory back = reversed(part_of(place, std::max(gone, kLeastWay)));
   opens_on_ = opens_on;
   if (opens_on_) hand_.stop();
   ++reliefs_;
   enter(Step::kRelieve, "going up from what it presses on");
-  // Of the way that it was to go down.
-  const double share = grasp().place_share * (opens_on_ ? kSmallRelief : kRelief);
-  follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))), share), 0, false);
+  const double share = std::min(1.0, (opens_on_ ? kSmallRelief : kRelief) / came);
+  follow(part_of(back, std::max(time_of_way(back, share), kLeastWay)), 0, false);
 }
 
 // Between what stands beside its place a gripper's jaws do not open all the way.
 bool ArmCycle::leaves_jammed() {
-  if (step_ != Step::kRelease || !hand_.feels_its_grip()) return false;
+  if (step_ != Step::kRelease || !hand_.feels_its_grip() || !hand_.is_blocked()) return false;
   const bool is_free = hand_.still_felt().empty();
-  const bool goes_up = !is_free && reliefs_ < kMostReliefs && is_at_place() && failure().empty() &&
-                       segment(motion::SegmentKind::kPlace) != nullptr;
+  const bool goes_up =
+      !is_free && reliefs_ < kMostReliefs && is_at_place() && failure().empty() && can_relieve();
   if (!is_free && !goes_up) return false;
   add_surprise(SurpriseKind::kMotion, 1, 0,
                is_free ? "leaves with jaws that are open so far" : "goes up and opens on");

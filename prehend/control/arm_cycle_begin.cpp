@@ -157,15 +157,13 @@ void ArmCycle::begin_place() {
   // Below where it is to stand, only what feels it finds out that it does.
   const bool feels = options_.reacts && percepts_.wrist_force;
   if (!way || feels || grasp().place_share >= 1) {
+    time_to_stand_ = way ? grasp().place_share * way->duration() : 0;
     return begin_segment(Step::kPlace, contact_force_down());
   }
+  const JointTrajectory to_there = part_of(*way, grasp().place_share);
+  time_to_stand_ = to_there.duration();
   enter(Step::kPlace, "arm: place");
-  follow(part_of(*way, grasp().place_share), contact_force_down());
-}
-
-double ArmCycle::time_to_stand() const {
-  const JointTrajectory* way = segment(SegmentKind::kPlace);
-  return way ? grasp().place_share * way->duration() : 0;
+  follow(to_there, contact_force_down());
 }
 
 // To so far past where they are to touch: with the efforts that they have now.

@@ -16,7 +16,7 @@ constexpr double kHighAboveTable = 0.7;  // of the way down: until then nothing 
 
 // On the way down to a place, it is above all that was to bear what is held.
 bool ArmCycle::is_high() const {
-  return time_to_stand() > 0 && spent() < kHighAboveTable * time_to_stand();
+  return time_to_stand_ > 0 && spent() < kHighAboveTable * time_to_stand_;
 }
 
 // How far the fingers have closed beyond the predicted touch [rad], by the joints' states.

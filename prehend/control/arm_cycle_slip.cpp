@@ -32,7 +32,7 @@ bool ArmCycle::bears_alone() const {
     case Step::kWait:
       return true;
     case Step::kPlace:
-      return time_to_stand() > 0 && spent() < kAlone * time_to_stand();
+      return time_to_stand_ > 0 && spent() < kAlone * time_to_stand_;
     case Step::kLower:
       return lowered_ && (!lowers_fully_ || spent() < kAlone * lowered_->duration());
     default:

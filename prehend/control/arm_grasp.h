@@ -24,6 +24,7 @@ struct ArmGrasp {
   /// The rest is gone until it is felt to, where the wrist can be felt.
   double place_share = 1;
   double approach_length = 0;  // m, of the straight way of the segment kApproach; 0: not known
+  double place_length = 0;     // m, the same of kPlace; 0: what presses there is not gone up from
   std::vector<std::string> hand_joints;
   robot::ClosingWay hand;   // of hand_joints
   double lifted_mass = 0;   // kg, predicted; 0: not predicted. Compared, but decides nothing

@@ -53,7 +53,9 @@ class HandPort {
   virtual void step(const ArmPercepts& /*percepts*/) {}        // in each step of the cycle
   virtual std::vector<InputAge> inputs() const { return {}; }  // that it relies on
   virtual std::string fault() const { return {}; }  // that ends all, in words; empty: none
-  virtual bool touches() const { return false; }    // something, while the arm approaches
+  /// The last move failed as something was in the way, not for want of who carries it out.
+  virtual bool is_blocked() const { return false; }
+  virtual bool touches() const { return false; }  // something, while the arm approaches
   /// After a closing that ended in contact: to the force of the grasp; motion() is of it then.
   virtual void press() {}
   /// After press(): to so many times the force, and no more than it can; motion() is of it then.

@@ -96,7 +96,8 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   achieved_.clear();
   path_.clear();
   grasp_index_ = attempts_ = touches_ = looks_ = given_up_ = pushes_ = 0;
-  looking_ = any_object_ = at_place_ = touched_ = probed_ = viewing_ = pushed_ = false;
+  looking_ = any_object_ = at_place_ = touched_ = probed_ = viewing_ = false;
+  pushed_ = push_is_made_ = false;
   after_view_ = nullptr;
   advice_ = std::move(advice);
   entered_ = now_;
@@ -132,6 +133,7 @@ void Cycle::ended(Outcome outcome, const std::string& reason) {
   const std::size_t index = static_cast<std::size_t>(state_);
   const TaskState& state = task().states[index];
   if (outcome == Outcome::kDone && state.action.primitive == Primitive::kPlace) at_place_ = true;
+  if (outcome != Outcome::kDone && state.action.primitive == Primitive::kLook) stuck_ = reason;
   if (outcome == Outcome::kDone && state.action.primitive == Primitive::kRetreat && at_place_ &&
       failure_.empty()) {
     ++result_.placed;
@@ -299,13 +301,13 @@ void Cycle::push(const Action& action) {
     why = "nothing is to be pushed";
   } else if (pushes_ >= shared_.largest_pushes) {
     why = "things were pushed as often as largest_pushes allows";
-  } else if (shared_.look_timeout == 0 && pushes_ > 0) {
-    why = "nothing new is seen, as look_timeout is 0";
+  } else if (push_is_made_) {
+    why = "what the last plan has to be pushed was pushed";
   }
   if (why) return ended(Outcome::kNothing, stuck_ + (stuck_.empty() ? "" : "; ") + why);
   ++pushes_;
   ++result_.pushes;
-  pushed_ = true;
+  pushed_ = push_is_made_ = true;
   given_up_ = 0;
   at_place_ = touched_ = probed_ = false;
   failure_.clear();
@@ -352,6 +354,7 @@ void Cycle::step_look() {
 }
 
 void Cycle::plan_taken(std::vector<GraspPose> grasps, const std::string& problem, Advice advice) {
+  push_is_made_ = false;
   if (grasps.empty()) {
     const std::string why = "the new look gives no grasp" + (problem.empty() ? "" : ": " + problem);
     return viewing_ ? look_failed(why) : next_grasp(why);
@@ -380,7 +383,6 @@ void Cycle::next_grasp(const std::string& why) {
   if (any_object_) {
     const std::string left =
         given_up_ == 0 ? why : fmt::format("{} given up: {}", given_up_, failed_attempts_.text());
-    stuck_ = left;
     return ended(given_up_ > 0 ? in_vain() : Outcome::kNothing, left);
   }
   const std::optional<int> next = order_.next();
@@ -430,7 +432,9 @@ void Cycle::add_surprise(SurpriseKind kind, double predicted, double felt,
 
 void Cycle::give_up(const std::string& reason, SurpriseKind kind, Outcome outcome) {
   failure_ = reason;
-  failed_attempts_.add(static_cast<int>(primitive()), reason);
+  if (primitive() != Primitive::kPush) {
+    failed_attempts_.add(static_cast<int>(primitive()), reason);
+  }
   const bool surprised =
       std::any_of(surprises_.begin() + static_cast<std::ptrdiff_t>(attempts_surprises_),
                   surprises_.end(), [](const Surprise& surprise) { return surprise.surprising; });

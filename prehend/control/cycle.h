@@ -232,9 +232,10 @@ class Cycle {
   bool any_object_ = false, at_place_ = false;
   bool touched_ = false;                        // the present object, and no attempt was made since
   bool probed_ = false;                         // that was no grasp of the plan
-  bool pushed_ = false;                         // something, and nobody has looked since
+  bool pushed_ = false;                         // something, and `look` was not since
+  bool push_is_made_ = false;                   // of the newest plan
   int pushes_ = 0;                              // since something was put at its place
-  std::string stuck_;                           // why a look gave no grasp of any object
+  std::string stuck_;                           // why the last look gave no grasp
   int attempts_ = 0, touches_ = 0, looks_ = 0;  // with the present object
   bool viewing_ = false;                        // the camera is, or goes, where it looks from
   std::function<void()> after_view_;            // on the way back from there

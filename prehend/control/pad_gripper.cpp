@@ -49,6 +49,7 @@ void PadGripper::move(const std::vector<std::string>& /*joints*/,
                       const std::vector<double>& positions, double speed, bool until_contact,
                       const std::vector<double>& /*effort*/) {
   problem_.clear();
+  is_blocked_ = false;
   begun_ = now_;
   mode_ = until_contact ? Mode::kCloses : Mode::kMoves;
   status_ = MotionStatus::kMoving;
@@ -61,7 +62,8 @@ MotionStatus PadGripper::motion() {
   const MotionStatus status = port_.motion();
   // What opens and is blocked is no contact that anybody asked for.
   if (status == MotionStatus::kContact || status == MotionStatus::kFailed) {
-    problem_ = "the gripper does not open";
+    is_blocked_ = status == MotionStatus::kContact;
+    problem_ = is_blocked_ ? "the gripper does not open" : "the gripper's motion failed";
     return MotionStatus::kFailed;
   }
   return status;

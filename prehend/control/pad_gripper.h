@@ -104,6 +104,7 @@ class PadGripper : public HandPort {
   void step(const ArmPercepts& percepts) override;
   std::vector<InputAge> inputs() const override;
   std::string fault() const override;
+  bool is_blocked() const override { return is_blocked_; }
   bool touches() const override;
   double opening() const override { return percept_ ? percept_->opening : 0; }
   std::string lost(bool rests) const override;
@@ -134,6 +135,7 @@ class PadGripper : public HandPort {
   double grip_opening_ = 0;                       // m, when the force settled
   std::optional<double> rises_since_;             // s, held harder: it has not settled since
   std::string problem_;
+  bool is_blocked_ = false;
 };
 
 }  // namespace prehend::control

@@ -54,6 +54,12 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   const robot::KinematicChain chain = platform.arm_chain();
   for (const motion::PickSegment& segment : pick.segments) {
     result.segments.emplace_back(segment.kind, sampled(chain, *segment.trajectory));
+    if (segment.kind == motion::SegmentKind::kPlace) {
+      const auto tip = [&](double time) {
+        return chain.forward(segment.trajectory->at(time).position).translation();
+      };
+      result.place_length = (tip(segment.trajectory->duration()) - tip(0)).norm();
+    }
   }
   for (const std::string& name : hand.actuated_names()) {
     result.hand_joints.push_back("hand_" + name);

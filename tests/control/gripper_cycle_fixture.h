@@ -34,6 +34,7 @@ class FakeWorld {
   double finger_stop = 0;    // m, of the opening, where the fingers meet the object beside the pads
   double wedged_below = -1;  // m, of the hand: the left pad touches the object on the approach
   bool jammed = false;       // the jaws do not move
+  bool refuses_to_open = false;  // at the place: who moves them says no
   /// m, of the hand, 0.1 m beside where the object stood: below it the jaws open no farther.
   double jam_height = -1, jam_opening = 0;
   bool arm_stuck = false;
@@ -110,6 +111,7 @@ class FakeWorld {
   }
   MotionStatus jaw_motion() const {
     if (is_silent("gripper motion")) return MotionStatus::kMoving;
+    if (refuses_to_open && p_WG_.y() > 0.1) return MotionStatus::kFailed;
     if (std::abs(opening_ - opening_target_) < 1e-6) return MotionStatus::kReached;
     return jammed || is_jammed_beside() ? MotionStatus::kContact : MotionStatus::kMoving;
   }
@@ -242,8 +244,9 @@ struct FakeStage : ArmPort {
 };
 
 /// A grasp of the object at x [m], from where FakeWorld's stage stands at first; the object is
-/// carried by `move` [m].
-inline ArmGrasp grasp_at(double x, const Eigen::Vector3d& move = {0, 0.15, 0}) {
+/// carried by `move` [m], and put down from `height` [m].
+inline ArmGrasp grasp_at(double x, const Eigen::Vector3d& move = {0, 0.15, 0},
+                         double height = 0.15) {
   ArmGrasp grasp;
   grasp.pose.X_WG = geometry::make_transform(Eigen::Quaterniond(0, 1, 0, 0), {x, 0, 0.04});
   Eigen::Vector3d here(-0.3, 0, 0.4);
@@ -256,13 +259,14 @@ inline ArmGrasp grasp_at(double x, const Eigen::Vector3d& move = {0, 0.15, 0}) {
     here = to;
   };
   using motion::SegmentKind;
-  const Eigen::Vector3d at(x, 0, 0.04), up(0, 0, 0.15), back(0, 0, 0.08);
+  const Eigen::Vector3d at(x, 0, 0.04), up(0, 0, height), back(0, 0, 0.08);
   add(SegmentKind::kReach, at + back, 0.25);
   add(SegmentKind::kApproach, at, 0.08);
   grasp.approach_length = 0.08;
   add(SegmentKind::kLift, at + up, 0.1);
   add(SegmentKind::kCarry, at + up + move, 0.25);
   add(SegmentKind::kPlace, at + move, 0.08);
+  grasp.place_length = height;
   add(SegmentKind::kRetreat, at + move + back, 0.25);
   grasp.hand_joints = {"opening"};
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };

@@ -90,6 +90,43 @@ TEST_F(GripperCycleTest, JawsThatCannotOpenAtThePlaceGoUpUntilTheyCan) {
   EXPECT_GT(ups, 0);
 }
 
+// Regression: the way up was a share of the time of the way down: a tenth of it where that goes on
+// below where it stands, three times as much where it begins high.
+TEST_F(GripperCycleTest, GoesUpByMillimetresHoweverLongTheWayDown) {
+  for (const auto& [height, share] :
+       {std::pair(0.15, 1.0), std::pair(0.15, 0.6), std::pair(0.3, 1.0)}) {
+    world = FakeWorld();
+    world.jam_opening = 0.0497;
+    world.jam_height = 0.05;
+    ArmGrasp grasp = grasp_at(0, {0, 0.15, 0}, height);
+    grasp.place_share = share;
+    ArmCycle going_up{reacting(), arm, hand};
+    going_up.start({grasp});
+    std::optional<double> before;
+    double up = 0;  // m, of the first time
+    for (int i = 0; i < 20000 && !going_up.finished(); ++i) {
+      const bool goes = going_up.detail() == "going up from what it presses on";
+      if (goes && !before) before = world.height();
+      if (!goes && before && up == 0) up = world.height() - *before;
+      going_up.step(world.percepts());
+      world.advance();
+    }
+    EXPECT_TRUE(going_up.result().success()) << going_up.result().reason;
+    EXPECT_NEAR(up, 0.005, 0.001) << height << ", " << share;
+  }
+}
+
+// Regression: jaws whose drive does not answer were taken for jaws between two things: the arm left
+// with what it still held.
+TEST_F(GripperCycleTest, JawsThatFailAtThePlaceAreNotTakenForBlocked) {
+  world.refuses_to_open = true;
+  run(1);
+  EXPECT_FALSE(cycle.result().success());
+  EXPECT_EQ(cycle.result().placed, 0);
+  EXPECT_NE(cycle.result().reason.find("motion failed"), std::string::npos)
+      << cycle.result().reason;
+}
+
 TEST_F(GripperCycleTest, JawsThatNeverOpenAtThePlaceEndTheTask) {
   world.jam_opening = 0.0497;
   world.jam_height = 1;

@@ -246,11 +246,43 @@ TEST_F(TaskOfTheGripper, PushesNoMoreThanItMayWhileNothingIsPutDown) {
   unseeing.start({pushing(grasp_at(0))}, "between others");
   run_to_the_end(unseeing);
   EXPECT_EQ(unseeing.result().pushes, 1);
+  // Nor where the look does not come.
+  ArmCycleOptions impatient = doing(task_named("clear_table"));
+  impatient.look_timeout = 0.5;
+  ArmCycle waiting{impatient, arm, hand};
+  waiting.start({pushing(grasp_at(0))}, "between others");
+  run_to_the_end(waiting);
+  EXPECT_EQ(waiting.result().pushes, 1);
+  EXPECT_THAT(waiting.result().reason, HasSubstr("no new plan came"));
   // A task that does not push ends without grasps, as ever.
   ArmCycle picking{doing(task_named("pick_and_place")), arm, hand};
   picking.start({pushing(grasp_at(0))}, "between others");
   EXPECT_TRUE(picking.finished());
   EXPECT_THAT(picking.result().reason, HasSubstr("between others"));
+}
+
+// Regression: it was said of a grasp, and was the attempt that came furthest.
+TEST(TaskOfFingers, APushThatFailsIsNoAttemptThatFailed) {
+  Fakes f;
+  ArmCycle clearing(doing(task_named("clear_table")), f.arm, f.hand);
+  f.arm.says[1] = MotionStatus::kFailed;
+  clearing.start({pushing(fake_grasp())}, "between others");
+  f.hand.closes = MotionStatus::kReached;  // on nothing
+  std::string said;
+  for (int i = 0; i < 8000 && !clearing.finished(); ++i) {
+    f.now.time += 0.02;
+    clearing.step(f.felt());
+    if (said.empty() && clearing.phase() == Phase::kRelease) said = clearing.detail();
+    if (clearing.looks_since() && clearing.result().attempts < 3) {
+      clearing.take_plan({fake_grasp()});
+    }
+  }
+  EXPECT_THAT(said, HasSubstr("push along the table: arm: reach"));
+  EXPECT_EQ(clearing.result().attempts, 3);
+  EXPECT_FALSE(clearing.result().success());
+  EXPECT_THAT(clearing.result().reason, HasSubstr("no grasp succeeded in 3 attempts"));
+  EXPECT_EQ(clearing.result().reason.find("push along"), std::string::npos)
+      << clearing.result().reason;
 }
 
 ArmGrasp probing(ArmGrasp grasp) {

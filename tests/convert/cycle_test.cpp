@@ -55,6 +55,7 @@ TEST(ArmGrasps, AreTheSameThereAndBack) {
                 Eigen::Vector2d(-1, -2), Eigen::Vector2d(1, 2)};
   grasp.effort = 0.4;
   grasp.place_share = 0.7;
+  grasp.place_length = 0.2;
   grasp.largest_effort = {2, 3};
   grasp.segments.insert(grasp.segments.begin() + 1, {motion::SegmentKind::kApproach, path});
   grasp.shifts = {{{0, 0.02, 0}, {0.1}}, {{0, -0.01, 0}, {-0.2}}};
@@ -73,6 +74,7 @@ TEST(ArmGrasps, AreTheSameThereAndBack) {
               grasp.segments[i].second.points[1].position);
   }
   EXPECT_EQ(back.place_share, 0.7);
+  EXPECT_EQ(back.place_length, 0.2);
   message.set_place_share(0);
   EXPECT_EQ(arm_grasp_from_message(message).place_share, 1) << "at its end";
   for (const double none : {-0.1, 1.1, std::nan("")}) {

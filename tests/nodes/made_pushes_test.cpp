@@ -7,8 +7,10 @@
 namespace prehend::nodes {
 namespace {
 
-msgs::GraspPlan plan_of(std::uint32_t object, double x, bool has_way = true) {
+msgs::GraspPlan plan_of(std::uint32_t object, double x, bool has_way = true,
+                        std::int64_t view = 100) {
   msgs::GraspPlan plan;
+  plan.mutable_header()->set_stamp(view);
   plan.set_id(object);
   msgs::Grasp& push = *plan.mutable_push();
   *push.mutable_x_wg() =
@@ -18,8 +20,10 @@ msgs::GraspPlan plan_of(std::uint32_t object, double x, bool has_way = true) {
   return plan;
 }
 
-msgs::CycleState state_of(msgs::CycleState::Phase phase, std::uint32_t object) {
+msgs::CycleState state_of(msgs::CycleState::Phase phase, std::uint32_t object,
+                          std::int64_t view = 100) {
   msgs::CycleState state;
+  state.set_view_stamp(view);
   state.set_phase(phase);
   state.set_object_id(object);
   return state;
@@ -46,6 +50,25 @@ TEST(MadePushes, AreThoseThatBegan) {
   EXPECT_TRUE(pushes.lines().empty());
   pushes.begun(state_of(msgs::CycleState::PUSH, 0));
   EXPECT_TRUE(pushes.lines().empty()) << "of another cycle";
+}
+
+// Regression: cameras go on while something is pushed, and in a newer view another object has its
+// id.
+TEST(MadePushes, AreOfTheViewThatTheRobotMovesBy) {
+  MadePushes pushes;
+  pushes.planned(plan_of(1, 0.3));
+  pushes.planned(plan_of(1, 0.6, true, 200));
+  for (int step = 0; step < 3; ++step) pushes.begun(state_of(msgs::CycleState::PUSH, 1));
+  pushes.planned(plan_of(1, 0.9, true, 300));
+  pushes.begun(state_of(msgs::CycleState::PUSH, 1));
+  ASSERT_EQ(pushes.lines().size(), 1u);
+  EXPECT_NEAR(pushes.lines()[0].end_W.x(), 0.3, 1e-6);
+  pushes.begun(state_of(msgs::CycleState::PUSH, 1, 300));
+  ASSERT_EQ(pushes.lines().size(), 2u);
+  EXPECT_NEAR(pushes.lines()[1].end_W.x(), 0.9, 1e-6);
+  for (int i = 0; i < 400; ++i) pushes.planned(plan_of(0, 0.1, true, 400 + i));
+  pushes.begun(state_of(msgs::CycleState::PUSH, 0, 400));
+  EXPECT_EQ(pushes.lines().size(), 2u) << "too old";
 }
 
 }  // namespace

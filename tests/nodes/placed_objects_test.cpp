@@ -19,8 +19,8 @@ msgs::ObjectModel box_at(double x, double y) {
 TEST(PlacedObjects, AreInTheWayWhereNothingIsSeen) {
   PlacedObjects placed;
   EXPECT_TRUE(placed.unseen({}).meshes_W.empty());
-  placed.add(box_at(0, 0.3));
-  placed.add(box_at(0.2, 0.3));
+  placed.add(box_at(0, 0.3), nullptr);
+  placed.add(box_at(0.2, 0.3), nullptr);
   EXPECT_EQ(placed.unseen({}).meshes_W.size(), 2u);
   EXPECT_EQ(placed.unseen({}).pieces_W.size(), 2u);
   // One of them is seen, a little beside where it was put.
@@ -33,7 +33,7 @@ TEST(PlacedObjects, AreInTheWayWhereNothingIsSeen) {
 // bottle was put on that.
 TEST(PlacedObjects, AreInTheWayBesideWhatIsSeen) {
   PlacedObjects placed;
-  placed.add(box_at(0.12, 0.4));
+  placed.add(box_at(0.12, 0.4), nullptr);
   const auto unseen_beside = [&placed](const msgs::ObjectModel& seen) {
     return placed.unseen({{0, neighbour_of(seen)}}).meshes_W.size();
   };
@@ -47,13 +47,26 @@ TEST(PlacedObjects, AreInTheWayBesideWhatIsSeen) {
   EXPECT_EQ(unseen_beside(block({0.2, 0.1, 0.1}, {0.18, 0.4, 0.05})), 0u) << "with another thing";
 }
 
+// Regression: what was put down, picked again and put elsewhere stood at both places.
+TEST(PlacedObjects, AreNoMoreWhereTheyWerePickedAgain) {
+  PlacedObjects placed;
+  placed.add(box_at(0, 0.3), nullptr);
+  placed.add(box_at(0.2, 0.3), nullptr);
+  const planning::Neighbours seen = neighbour_of(box_at(0.01, 0.3));
+  placed.add(box_at(0.4, 0.3), &seen);
+  const planning::Neighbours unseen = placed.unseen({});
+  ASSERT_EQ(unseen.meshes_W.size(), 2u);
+  EXPECT_NEAR(geometry::bounds(unseen.meshes_W[0]).center().x(), 0.2, 1e-6);
+  EXPECT_NEAR(geometry::bounds(unseen.meshes_W[1]).center().x(), 0.4, 1e-6);
+}
+
 TEST(PlacedObjects, KeepsNoMoreThanItCan) {
   PlacedObjects placed;
-  for (int i = 0; i < 80; ++i) placed.add(box_at(0.1 * i, 0));
+  for (int i = 0; i < 80; ++i) placed.add(box_at(0.1 * i, 0), nullptr);
   EXPECT_EQ(placed.unseen({}).meshes_W.size(), 64u);
   msgs::ObjectModel broken = box_at(0, 0);
   broken.mutable_mesh()->set_vertex_count(3);
-  EXPECT_THROW(placed.add(broken), geometry::InputError);
+  EXPECT_THROW(placed.add(broken, nullptr), geometry::InputError);
   EXPECT_EQ(placed.unseen({}).meshes_W.size(), 64u);
   placed.clear();
   EXPECT_TRUE(placed.unseen({}).meshes_W.empty()) << "somebody may have taken them away";
