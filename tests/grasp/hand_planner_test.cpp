@@ -354,6 +354,22 @@ TEST(PlanHandGrasps, SaysWhyThereIsNoGrasp) {
   EXPECT_TRUE(under.grasps.empty());
   EXPECT_GT(count(under, Reason::kObstacle), 0);
   EXPECT_GT(count(under, Reason::kDirection), 0);
+  // What is out of the hand's reach changes nothing, be it metres away.
+  Obstacles beside, with_far;
+  beside.meshes_W = {moved(geometry::make_box({0.05, 0.05, 0.3}), Vector3d(0.09, 0, 0.15))};
+  with_far.meshes_W = {beside.meshes_W.front(),
+                       moved(geometry::make_box({0.2, 0.2, 0.2}), Vector3d(3, 1, 0.1))};
+  with_far.cloud_W.points = {{-4, 0, 0.1F}};
+  const GraspPlan near_one = plan_grasps(carton, kTable, beside, hand.ready, {}, quick());
+  const GraspPlan both = plan_grasps(carton, kTable, with_far, hand.ready, {}, quick());
+  EXPECT_GT(count(near_one, Reason::kObstacle), 0);
+  EXPECT_EQ(count(both, Reason::kObstacle), count(near_one, Reason::kObstacle));
+  ASSERT_FALSE(near_one.grasps.empty());
+  ASSERT_EQ(both.grasps.size(), near_one.grasps.size());
+  for (std::size_t i = 0; i < both.grasps.size(); ++i) {
+    EXPECT_EQ(both.grasps[i].X_WH.matrix(), near_one.grasps[i].X_WH.matrix());
+    EXPECT_EQ(both.grasps[i].closed_all, near_one.grasps[i].closed_all);
+  }
   // An arm that reaches nothing.
   PlannerOptions nowhere = quick();
   nowhere.reaches = [](const RigidTransform&) { return false; };

@@ -22,11 +22,45 @@ constexpr double kPoint = 1e-5;      // m, size of the triangle that stands for 
 constexpr double kMeeting =
     1e-3;  // m, by which links' balls may overlap without being said to meet
 
-/// All obstacles as one mesh to measure distances to.
-geometry::TriangleMesh obstacle_mesh(const Obstacles& obstacles) {
-  geometry::TriangleMesh all = geometry::concatenated(obstacles.meshes_W);
+/// A bound of how far any point of the hand is from its root [m], whatever its joints do.
+double radius_of(const HandToClose& hand) {
+  const robot::RobotModel& model = hand.hand->model;
+  std::vector<double> to_link(model.links.size(), 0);
+  for (const robot::Joint& joint : model.joints) {
+    const double travel = joint.kind == robot::Joint::Kind::kPrismatic
+                              ? std::max(std::abs(joint.lower), std::abs(joint.upper))
+                              : 0;
+    to_link[static_cast<std::size_t>(joint.child)] =
+        to_link[static_cast<std::size_t>(joint.parent)] + joint.X_PJ.translation().norm() + travel;
+  }
+  double radius = 0;
+  for (std::size_t l = 0; l < to_link.size(); ++l) {
+    radius = std::max(radius, to_link[l] + hand.balls.links[l].reach);
+  }
+  return radius;
+}
+
+/// Where the hand may be that touches the object, or comes to it [m]: what lies elsewhere is out of
+/// its reach, and no part of what distances are measured to, which may not be too large for a grid.
+Eigen::AlignedBox3d within_reach(const ClosingTask& task) {
+  Eigen::AlignedBox3d box_W = geometry::bounds(task.solid.mesh_W);
+  const double reach = 2 * radius_of(task.hand) + task.options.pregrasp_distance +
+                       task.options.fingers.closing.farthest_push +
+                       task.options.collision.obstacle_margin;
+  box_W.min().array() -= reach;
+  box_W.max().array() += reach;
+  return box_W;
+}
+
+/// All obstacles in a box as one mesh to measure distances to.
+geometry::TriangleMesh obstacle_mesh(const Obstacles& obstacles, const Eigen::AlignedBox3d& box_W) {
+  std::vector<geometry::TriangleMesh> near_W;
+  for (const geometry::TriangleMesh& mesh_W : obstacles.meshes_W) {
+    if (box_W.intersects(geometry::bounds(mesh_W))) near_W.push_back(mesh_W);
+  }
+  geometry::TriangleMesh all = geometry::concatenated(near_W);
   for (const auto& point : obstacles.cloud_W.points) {
-    if (!point.allFinite()) continue;
+    if (!point.allFinite() || !box_W.contains(point.cast<double>())) continue;
     const int first = static_cast<int>(all.vertices.size());
     const Vector3d p = point.cast<double>();
     all.vertices.push_back(p);
@@ -83,7 +117,7 @@ FingerClosing::FingerClosing(const ClosingTask& task)
       hand_(task.hand),
       reachability_(task.reachability),
       options_(task.options) {
-  geometry::TriangleMesh others = obstacle_mesh(task.obstacles);
+  geometry::TriangleMesh others = obstacle_mesh(task.obstacles, within_reach(task));
   if (others.empty()) return;
   obstacle_query_.emplace(std::move(others));
   obstacle_grid_.emplace(*obstacle_query_);
