@@ -5,7 +5,7 @@ import { seconds } from "../time.js";
 import type { Handlers } from "./handler.js";
 
 /** CycleState.Phase of grasp.proto. */
-const kPhases = ["?", "waiting", "spawn", "approach", "grasp", "lift", "move", "release", "done", "failed"];
+const kPhases = ["?", "waiting", "spawn", "approach", "grasp", "lift", "move", "release", "done", "failed", "push"];
 const kOutcomes = ["failed", "ungraspable", "succeeded"];
 
 /** Surprise.Kind of grasp.proto: in words, and the unit. */

@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { isShown } from "../../src/scene/ingest.js";
 import { kOrigins } from "../../src/scene/types.js";
@@ -294,4 +295,15 @@ test("a stage's hand is sketched where its joints are, as far open as the grippe
     finger.kind === "cube" ? Math.abs(finger.pose.position[1]) - finger.size[1] / 2 : 0,
   );
   for (const half of inner) assert.ok(Math.abs(half - 0.015) < 1e-9);
+});
+
+test("every phase of the cycle that the schema has is named on the page", () => {
+  const schema = readFileSync("../msgs/grasp.proto", "utf8");
+  const phases = /message CycleState \{\s*enum Phase \{[^\n]*\n([^}]*)\}/.exec(schema)![1]!;
+  const values = [...phases.matchAll(/(\w+) = (\d+);/g)].filter(([, , value]) => value !== "0");
+  assert.ok(values.length >= 10);
+  for (const [, name, value] of values) {
+    const { store } = new Taken().take("/cycle/state", "prehend.msgs.CycleState", { phase: Number(value) });
+    assert.equal(store.phases.at(-1)?.phase, name!.toLowerCase());
+  }
 });
