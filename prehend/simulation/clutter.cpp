@@ -266,6 +266,8 @@ void ClutterOptions::validate() const {
   };
   require(count >= 1 && count <= 12, "count", "1 to 12");
   require(center.allFinite(), "center", "finite");
+  require(((center.cwiseAbs() + size / 2).array() <= TableModel().size.array() / 2).all(), "center",
+          "such that all of the size about it is on the table");
   require(size.allFinite() && size.minCoeff() > 0 && size.maxCoeff() <= 2, "size",
           "positive and at most 2 m");
   for (const auto& [name, share] : {std::pair{"touching", touching}, std::pair{"stacked", stacked},

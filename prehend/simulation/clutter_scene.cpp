@@ -1,10 +1,13 @@
 #include "prehend/simulation/clutter_scene.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
+#include <iomanip>
 #include <numbers>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,13 +27,29 @@ using geometry::TriangleMesh;
 namespace fs = std::filesystem;
 
 constexpr double kLargest = 1;        // m
+constexpr double kSameVertex = 1e-6;  // of the longest side
 constexpr double kTouching = 0.0015;  // m
 constexpr double kFacesUp = 0.3;      // z of a unit normal
 constexpr double kDegree = std::numbers::pi / 180;
 
 bool is_mesh(const fs::path& file) {
   static const std::set<std::string> kEndings{".ply", ".obj", ".stl", ".off", ".dae"};
-  return kEndings.count(file.extension().string()) > 0;
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kEndings.count(ending) > 0;
+}
+
+// A name of any characters, for YAML; of several a list.
+std::string quoted(const std::string& name) {
+  std::ostringstream text;
+  text << std::quoted(name);
+  return text.str();
+}
+std::string quoted(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + quoted(name);
+  return "[" + list + "]";
 }
 
 ClutterSolid read_solid(const fs::path& file, double scale) {
@@ -39,6 +58,12 @@ ClutterSolid read_solid(const fs::path& file, double scale) {
   if (!(box.sizes().maxCoeff() <= kLargest)) {
     throw InputError(fmt::format("'{}' is {:.3g} m large", file.string(), box.sizes().maxCoeff()),
                      "Give --scale, the metres of a unit of the files (0.001: millimetres)");
+  }
+  const geometry::MeshDefects defects = geometry::find_defects(
+      geometry::with_merged_vertices(mesh, kSameVertex * box.sizes().maxCoeff()));
+  if (defects.boundary_edges > 0) {
+    throw InputError("'" + file.string() + "' is not closed (" + defects.to_string() + ")",
+                     "Close its holes: its mass is that of what it encloses");
   }
   const Vector3d foot(box.center().x(), box.center().y(), box.min().z());
   for (Vector3d& p : mesh.vertices) p -= foot;
@@ -238,12 +263,11 @@ void write_clutter(const fs::path& file, const std::vector<ClutterSolid>& solids
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const ClutterTruth& truth = truths.at(i);
     text += fmt::format(
-        "  - {{name: \"{}\", solid: \"{}\", put: {}, touches: [{}], borne_by: [{}], lowest: "
+        "  - {{name: {}, solid: {}, put: {}, touches: {}, borne_by: {}, lowest: "
         "{:.4f}, tilt: {:.4f}, pixels: {}, alone_pixels: {}, visible: {:.3f}}}\n",
-        bodies[i].name, solids[bodies[i].solid].name, to_string(bodies[i].placing),
-        fmt::join(names_of(truth.touches, bodies), ", "),
-        fmt::join(names_of(truth.borne_by, bodies), ", "), truth.lowest, truth.tilt, truth.pixels,
-        truth.alone_pixels, truth.visible());
+        quoted(bodies[i].name), quoted(solids[bodies[i].solid].name), to_string(bodies[i].placing),
+        quoted(names_of(truth.touches, bodies)), quoted(names_of(truth.borne_by, bodies)),
+        truth.lowest, truth.tilt, truth.pixels, truth.alone_pixels, truth.visible());
   }
   const fs::path beside = file.parent_path() / (file.stem().string() + "_truth.yaml");
   std::ofstream out(beside);

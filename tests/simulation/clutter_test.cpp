@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <yaml-cpp/yaml.h>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
@@ -191,6 +192,8 @@ TEST(Clutter, OptionsOutOfRangeAreNamed) {
   EXPECT_THAT(said([](auto& o) { o.stacked = o.touching = 0.6; }),
               ::testing::HasSubstr("touching + stacked"));
   EXPECT_THAT(said([](auto& o) { o.size.x() = 0; }), ::testing::HasSubstr("size"));
+  EXPECT_THAT(said([](auto& o) { o.center.y() = 0.7; }), ::testing::HasSubstr("center"))
+      << "beside the table";
   EXPECT_THROW(drop_clutter({}, {}), std::invalid_argument);
 }
 
@@ -252,6 +255,27 @@ TEST_F(ClutterFiles, AWrittenSceneIsTheSameWhenItIsReadAndSimulated) {
   }
 }
 
+// Regression: the truth of a mesh with such a name was no YAML.
+TEST_F(ClutterFiles, NamesMayHaveAnyCharacters) {
+  std::vector<ClutterSolid> solids = few_solids();
+  solids.resize(1);
+  solids.front().name = "it's: {a} #\"b\"";
+  ClutterOptions options = few(3, 4);
+  options.touching = 1;
+  const auto bodies = drop_clutter(solids, options);
+  const Scene scene = clutter_scene(solids, bodies, folder_ / "meshes", 0, 2);
+  write_clutter(folder_ / "heap.yaml", solids, bodies, clutter_truth(solids, bodies, scene), scene);
+  const YAML::Node truth = YAML::LoadFile((folder_ / "heap_truth.yaml").string());
+  ASSERT_EQ(truth["objects"].size(), bodies.size());
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_EQ(truth["objects"][i]["name"].as<std::string>(), bodies[i].name);
+    EXPECT_EQ(truth["objects"][i]["solid"].as<std::string>(), solids.front().name);
+    touching += truth["objects"][i]["touches"].size();
+  }
+  EXPECT_GT(touching, 0U);
+}
+
 // Whoever sets up a stereo camera sees to it.
 TEST_F(ClutterFiles, BothImagesShowAllOfEachBody) {
   const std::vector<ClutterSolid> solids = few_solids();
@@ -287,6 +311,15 @@ TEST_F(ClutterFiles, FoldersThatWillNotDoAreNamedWithTheMend) {
   geometry::write_mesh_file(folder_ / "turned.ply", open);
   EXPECT_THAT(refused(0.001), ::testing::HasSubstr("turned.ply"));
   fs::remove(folder_ / "turned.ply");
+  // Regression: a box without its lid had two thirds of its mass.
+  TriangleMesh holed = make_standing_box({60, 45, 100});
+  holed.triangles.resize(holed.triangles.size() - 2);
+  geometry::write_mesh_file(folder_ / "holed.ply", holed);
+  EXPECT_THAT(refused(0.001), ::testing::AllOf(::testing::HasSubstr("holed.ply"),
+                                               ::testing::HasSubstr("is not closed")));
+  fs::rename(folder_ / "holed.ply", folder_ / "HOLED.PLY");
+  EXPECT_THAT(refused(0.001), ::testing::HasSubstr("HOLED.PLY"));
+  fs::remove(folder_ / "HOLED.PLY");
   geometry::write_mesh_file(folder_ / "carton.stl", make_standing_box({60, 45, 100}));
   EXPECT_THAT(refused(0.001), ::testing::HasSubstr("name of another mesh"));
   EXPECT_THROW(read_clutter_solids(folder_ / "nowhere"), geometry::InputError);

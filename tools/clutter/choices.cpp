@@ -1,4 +1,5 @@
 #include "tools/clutter/choices.h"
+#include "prehend/text/command_line.h"
 
 #include <limits>
 
@@ -13,16 +14,16 @@ void add_clutter_options(CLI::App& app, ClutterChoices& choices) {
                  "meshes go to OUT/meshes")
       ->required();
   app.add_option("--scale", choices.scale, "Metres of a unit of the files; 0.001: millimetres")
-      ->check(CLI::Range(1e-6, 1e3))
+      ->check(text::in_range(1e-6, 1e3))
       ->capture_default_str();
   app.add_option("--scenes", choices.scenes, "How many; each with the next seed")
-      ->check(CLI::Range(1, 100000))
+      ->check(text::in_range(1, 100000))
       ->capture_default_str();
   app.add_option("--count", options.count, "Bodies of a scene")
-      ->check(CLI::Range(1, 12))
+      ->check(text::in_range(1, 12))
       ->capture_default_str();
   const auto share = [&app](const char* name, double& value, const char* what) {
-    app.add_option(name, value, what)->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    app.add_option(name, value, what)->check(text::in_range(0.0, 1.0))->capture_default_str();
   };
   share("--touching", options.touching, "Share of bodies that are pushed against another one");
   share("--stacked", options.stacked, "Share that is lowered onto another one");
@@ -32,7 +33,7 @@ void add_clutter_options(CLI::App& app, ClutterChoices& choices) {
       "--tumbled", options.tumbled,
       "Share that is dropped in any orientation, whatever it is put beside; leaning ones are not");
   app.add_option("--gap", options.gap, "Between those that stand apart [m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(text::in_range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--center", choices.center, "Of the part of the table that is used, x y [m]")
       ->expected(2)

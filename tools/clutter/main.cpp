@@ -78,7 +78,7 @@ int run(const tools::ClutterChoices& choices) {
     fmt::print("{} of {} have fewer than {} bodies, as no place was found for more\n", fewer,
                choices.scenes, options.count);
   }
-  fmt::print("Try one: prehend launch demo scene:={} task:=clear_table\n",
+  fmt::print("Try one: prehend launch demo 'scene:={}' task:=clear_table\n",
              (out / "clutter_000.yaml").string());
   return 0;
 }
