@@ -30,7 +30,18 @@ void refuse_missing(const fs::path& file) {
 }
 
 Rows from_csv(const fs::path& file) {
-  text::CsvTable table = text::read_csv_table(file, 0, "");
+  text::CsvTable table;
+  try {
+    table = text::read_csv_table(file, 0, "");
+  } catch (const InputError& error) {
+    // Results are the same wherever their folder is.
+    std::string problem = error.problem();
+    const std::size_t at = problem.find(file.string());
+    if (at != std::string::npos) {
+      problem.replace(at, file.string().size(), file.filename().string());
+    }
+    throw InputError(problem, "Give each row as many fields as the line of names");
+  }
   std::set<std::string> names(table.names.begin(), table.names.end());
   if (names.empty() || names.size() != table.names.size()) {
     throw InputError(file.filename().string() + " has no names of columns, or one twice",

@@ -37,7 +37,10 @@ TEST_F(SweepCommand, OneWorkerOrManyOrPartsGiveTheSameBytes) {
   EXPECT_THAT(run("parts", {"--merge"}), HasSubstr("24 done, 0 failed, 0 open"));
   EXPECT_EQ(exit_code_, 0);
   EXPECT_EQ(csv("parts"), one);
-  EXPECT_THAT(run("one", {}), HasSubstr("Nothing is open"));
+  EXPECT_THAT(run("one", {}), HasSubstr("Nothing is open: each case has its result"));
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(run("one", {"--only", "nothing*"}), HasSubstr("No case has a name like 'nothing*'"));
+  EXPECT_EQ(exit_code_, 1);
 }
 
 TEST_F(SweepCommand, KilledCasesAreGivenOutAgain) {
@@ -97,6 +100,12 @@ timeout: 1
   EXPECT_THAT(output, AllOf(HasSubstr("2 done, 3 failed"), HasSubstr("how=fail: exit status 4"),
                             HasSubstr("about to fail"), HasSubstr("how=hang: It took longer"),
                             HasSubstr("how=crash: signal 11")));
+  // Regression: when it was run once more it ended with 0, and said that each had its result.
+  EXPECT_THAT(run("f", {}), AllOf(HasSubstr("Nothing is open, and not each case has a result"),
+                                  HasSubstr("how=fail: exit status 4")));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run("f", {"--only", "how=work"}), HasSubstr("each case has its result"));
+  EXPECT_EQ(exit_code_, 0);
   EXPECT_THAT(run("f", {"--again", "how=fail"}), HasSubstr("1 of 1 cases ran"));
   EXPECT_THAT(run("f", {"--again", "how=nothing"}), HasSubstr("No case is named"));
 }

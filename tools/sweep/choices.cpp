@@ -1,4 +1,5 @@
 #include "tools/sweep/choices.h"
+#include "prehend/text/command_line.h"
 
 namespace prehend::tools {
 
@@ -10,7 +11,7 @@ void add_sweep_options(CLI::App& app, SweepChoices& choices) {
       "Folder of results.db and of what cases write; what is there is not run again");
   CLI::Option* workers =
       app.add_option("--workers", choices.workers, "Cases at a time; 0: one a processor")
-          ->check(CLI::Range(0, 10000))
+          ->check(text::in_range(0, 10000))
           ->capture_default_str();
   app.add_option("--only", choices.only, "Cases whose names match, 'object=mug,*'");
   CLI::Option* again =
@@ -23,14 +24,14 @@ void add_sweep_options(CLI::App& app, SweepChoices& choices) {
   CLI::Option* slurm =
       app.add_option("--slurm", choices.slurm,
                      "Run nothing; write OUT/array.sh, a Slurm array of so many parts")
-          ->check(CLI::Range(1, 100000));
+          ->check(text::in_range(1, 100000));
   CLI::Option* mpi =
       app.add_flag("--mpi", choices.mpi,
                    "Under mpirun or srun: the first rank hands out, each other runs a case at a "
                    "time");
   app.add_option("--lost-after", choices.lost_after,
                  "Seconds of a rank's silence after which another gets its case")
-      ->check(CLI::Range(2.0, 86400.0))
+      ->check(text::in_range(2.0, 86400.0))
       ->capture_default_str()
       ->needs(mpi);
   CLI::Option* merge = app.add_flag("--merge", choices.merge,

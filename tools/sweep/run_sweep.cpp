@@ -44,6 +44,7 @@ class Sweep {
         program_(case_program(description_.program)) {
     check_table(choices.export_file, true);
     check_table(choices.export_costs, false);
+    check_only();
   }
 
   int run() {
@@ -66,6 +67,15 @@ class Sweep {
                        may_be_hdf5 ? "Name a .csv or .h5 file" : "Name a .csv file");
     }
     check_hdf5();
+  }
+
+  void check_only() const {
+    if (choices_.only.empty()) return;
+    for (std::int64_t i = 0; i < cases_.size(); ++i) {
+      if (is_chosen(cases_.at(i).name)) return;
+    }
+    throw InputError("No case has a name like '" + choices_.only + "', which --only gives",
+                     "See the names by --list");
   }
 
   int list() const {
@@ -171,10 +181,7 @@ class Sweep {
   template <class Known>
   int run_open(ResultStore& store, const Known& others, const Part* part) {
     sweep::Handout handout(open_cases(store, others, part));
-    if (handout.total() == 0) {
-      fmt::print("Nothing is open: each case has its result\n");
-      return 0;
-    }
+    if (handout.total() == 0) return nothing_open(store, part);
     std::unique_ptr<Workers> here;
     if (!ranks_) here = workers_for(handout.total());
     sweep::SaidProgress said;
@@ -190,6 +197,22 @@ class Sweep {
     if (!progress.is_stopped) return progress.failed > 0 ? 1 : 0;
     fmt::print("Stopped. What ended is kept; start it again to go on\n");
     return 130;
+  }
+
+  // What failed was a failure before, and still is.
+  int nothing_open(ResultStore& store, const Part* part) const {
+    for (std::int64_t i = 0; i < cases_.size(); ++i) {
+      const std::string name = cases_.at(i).name;
+      if ((part && !part->has(i)) || !is_chosen(name)) continue;
+      const auto known = store.find(name);
+      if (!known || !known->failed()) continue;
+      fmt::print("Nothing is open, and not each case has a result\n");
+      print_status(
+          cases_, [&](const std::string& one) { return store.find(one); }, command());
+      return 1;
+    }
+    fmt::print("Nothing is open: each case has its result\n");
+    return 0;
   }
 
   CaseOrder order(std::int64_t index) const {
