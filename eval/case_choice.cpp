@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/nearest_match.h"
 
 namespace prehend::eval {
@@ -26,11 +27,7 @@ std::vector<DataSet> named(std::vector<DataSet> sets, const std::vector<std::str
   if (only.empty()) return sets;
   std::vector<std::string> names;
   for (const DataSet& set : sets) names.push_back(set.name);
-  for (const std::string& name : only) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    throw geometry::InputError("No data set has the name '" + name + "' that --only gives",
-                               text::nearest_match_mend(name, names));
-  }
+  check_only(only, names, "data set");
   std::erase_if(sets, [&only](const DataSet& set) {
     return std::find(only.begin(), only.end(), set.name) == only.end();
   });
@@ -38,6 +35,22 @@ std::vector<DataSet> named(std::vector<DataSet> sets, const std::vector<std::str
 }
 
 }  // namespace
+
+void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names,
+                const std::string& what) {
+  for (const std::string& name : only) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    throw geometry::InputError("No " + what + " has the name '" + name + "' that --only gives",
+                               text::nearest_match_mend(name, names));
+  }
+}
+
+void check_platforms(std::vector<std::string> platforms) {
+  std::sort(platforms.begin(), platforms.end());
+  const auto twice = std::adjacent_find(platforms.begin(), platforms.end());
+  if (twice == platforms.end()) return;
+  throw geometry::InputError("--platform names '" + *twice + "' twice", "Name every one once");
+}
 
 CaseChoice default_choice(const std::filesystem::path& out) {
   CaseChoice choice;
@@ -102,7 +115,7 @@ int list_cases(const std::vector<Case>& cases) {
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = text::parse_command_line(app, argc, argv)) return *code;
   try {
     return work();
   } catch (const std::exception& error) {

@@ -35,6 +35,13 @@ CaseChoice default_choice(const std::filesystem::path& out);
 /// --quick.
 void add_case_options(CLI::App& app, CaseChoice& choice, bool views = true);
 
+/// @throws geometry::InputError for a name of --only that none of `names` is, with the nearest;
+/// `what` they name, as "data set".
+void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names,
+                const std::string& what);
+/// @throws geometry::InputError for one that is named twice.
+void check_platforms(std::vector<std::string> platforms);
+
 /// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate(), of
 /// which --only leaves those that it names. @throws geometry::InputError when --drawn has nothing
 /// to apply to or a seed twice, or for a name that none has, with the nearest.

@@ -19,6 +19,7 @@
 #include "prehend/sweep/workers/mpi_ranks.h"
 #include "prehend/sweep/workers/run_cases.h"
 #include "prehend/sweep/workers/said_progress.h"
+#include "prehend/text/command_line.h"
 
 namespace prehend::eval {
 namespace {
@@ -159,14 +160,14 @@ std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
 
 void add_run_options(CLI::App& app, CaseRunOptions& runs) {
   CLI::Option* processes = app.add_option("--processes", runs.processes, "how many work at a time")
-                               ->check(CLI::Range(1, 256))
+                               ->check(text::in_range(1, 256))
                                ->capture_default_str();
   CLI::Option* mpi = app.add_flag("--mpi", runs.mpi,
                                   "under mpirun or srun: the first rank hands out, each other runs "
                                   "a case at a time");
   app.add_option("--lost-after", runs.lost_after,
                  "seconds of a rank's silence after which another gets its case")
-      ->check(CLI::Range(2.0, 86400.0))
+      ->check(text::in_range(2.0, 86400.0))
       ->capture_default_str()
       ->needs(mpi);
   app.add_flag("--fresh", runs.fresh, "forget the results of earlier runs");

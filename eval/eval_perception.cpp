@@ -24,6 +24,7 @@
 #include "prehend/perception/segmentation.h"
 #include "prehend/report/page.h"
 #include "prehend/shape/body_evidence.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/json.h"
 
 namespace {
@@ -253,13 +254,13 @@ int main(int argc, char** argv) {
       "A run that was interrupted goes on with the views that are missing.");
   eval::add_case_options(app, options.choice);
   app.add_option("--scenes", options.scenes, "tables rendered for each condition")
-      ->check(CLI::Range(1, 1000))
+      ->check(text::in_range(1, 1000))
       ->capture_default_str()
       ->excludes("--groups")
       ->excludes("--meshes");
   app.add_option("--clutter", options.clutter,
                  "scenes of things that touch, lie on, lean on and hide one another; 0: none")
-      ->check(CLI::Range(0, 10000))
+      ->check(text::in_range(0, 10000))
       ->capture_default_str()
       ->excludes("--groups")
       ->excludes("--meshes");
@@ -268,7 +269,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--least-split-width", options.least_split_width,
                  "of --split shapes: what is narrower across the table stays whole [m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(text::in_range(0.0, 1.0))
       ->capture_default_str();
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

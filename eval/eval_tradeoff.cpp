@@ -24,6 +24,7 @@
 #include "eval/touch/tradeoff.h"
 #include "eval/touch/tradeoff_page.h"
 #include "prehend/fidelity/chain_settings.h"
+#include "prehend/fidelity/chosen_chain.h"
 #include "prehend/fidelity/front.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"
@@ -31,7 +32,9 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
+#include "prehend/robot/platform.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/quantities.h"
 #include "prehend/text/tree_file.h"
 
@@ -76,6 +79,15 @@ double tolerance_of(const Options& options, const fidelity::Front& front) {
 std::string error_text(const fidelity::Setting& setting, const fidelity::Front& front) {
   return front.error_unit == "m" ? fmt::format("{:.4g} mm", 1e3 * setting.error)
                                  : fmt::format("{:.3g} {}", setting.error, front.error_unit);
+}
+
+// As the launch files choose it, for the platform.
+std::string front_of_chains(const Options& options) {
+  const robot::Platform platform =
+      robot::read_platform(robot::platform_file("config/robots", options.platform));
+  return fidelity::chain_front_name(
+      options.from == "cloud" ? fidelity::ChainInput::kCloud : fidelity::ChainInput::kImages,
+      platform.hand.name, platform.name);
 }
 
 // `understand` refuses a setting that no longer fits the library.
@@ -319,19 +331,21 @@ int main(int argc, char** argv) {
     command
         ->add_option("--from", options.from,
                      "images or cloud: what the chains begin with, and the front where none is "
-                     "named (chain_cloud.yaml). Default: images")
+                     "named (chain_cloud.yaml; chain_hand.yaml and chain_cloud_hand.yaml of other "
+                     "platforms than stage_pg70). Default: images")
         ->check(CLI::IsMember({"images", "cloud"}));
     command->add_option("--platform", options.platform, "name or file of config/robots")
         ->capture_default_str();
     eval::add_run_options(*command, options.runs);
   }
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = text::parse_command_line(app, argc, argv)) return *code;
   try {
     for (const Subject& subject : kSubjects) {
       if (!app.got_subcommand(subject.name)) continue;
       if (options.front.empty()) {
-        options.front = std::string("config/fidelity/") + subject.name +
-                        (options.from == "cloud" ? "_cloud" : "") + ".yaml";
+        options.front = "config/fidelity/" + (subject.sweep == sweep_chain
+                                                  ? front_of_chains(options)
+                                                  : std::string(subject.name) + ".yaml");
       }
       const bool choosing = !options.budget.empty() || !options.tolerance.empty();
       return choosing ? choose(options, subject.understand) : subject.sweep(options);

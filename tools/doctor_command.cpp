@@ -12,6 +12,7 @@
 
 #include "prehend/graph/introspection.h"
 #include "prehend/graph/node.h"
+#include "prehend/text/command_line.h"
 #include "tools/commands.h"
 #include "tools/doctor_devices.h"
 #include "tools/doctor_graph.h"
@@ -134,10 +135,10 @@ void add_device_options(CLI::App& command, DeviceChoices& devices) {
   command.add_option("--can", devices.can,
                      "Line of a PG70: can0, slcan:/dev/ttyACM0, serial:/dev/ttyUSB2");
   command.add_option("--module", devices.module_id, "Its module id")
-      ->check(CLI::Range(1, 255))
+      ->check(text::in_range(1, 255))
       ->capture_default_str();
   command.add_option("--bit-rate", devices.bit_rate, "Of its line, as the driver's bit_rate")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command
       .add_flag("--scan", devices.scan,
                 "Ask all module ids: sends 255 messages, unless others talk on the line")
@@ -155,12 +156,12 @@ void add_device_options(CLI::App& command, DeviceChoices& devices) {
   command
       .add_option("--rsi", devices.rsi_port,
                   "UDP port that a KUKA's controller sends to: listens there, answers nothing")
-      ->check(CLI::Range(1, 65535));
+      ->check(text::in_range(1, 65535));
   command.add_option("--rsi-host", devices.rsi_host, "Address of this machine of the same")
       ->default_val("0.0.0.0")
       ->needs("--rsi");
   command.add_option("--unit", devices.unit, "Its Modbus address")
-      ->check(CLI::Range(1, 247))
+      ->check(text::in_range(1, 247))
       ->capture_default_str();
   command.add_flag("--cameras", devices.cameras,
                    "List V4L2 cameras, and depth cameras that OpenNI2 knows");

@@ -40,7 +40,8 @@ void add_explain_command(CLI::App& app) {
                       "Of clouds: 'x y z qw qx qy qz', where the camera was");
   command->add_option("--up", choices->up, "Of clouds: 'x y z', away from the table");
   command->add_option("--table", choices->table, "Of clouds: auto, find, none or 'a b c d' [m]");
-  command->add_option("--split", choices->split, "Of clouds: none, tops, touching or shapes");
+  command->add_option("--split", choices->split,
+                      "Of clouds: none, tops, touching, shapes, or wide with --platform");
   add_json_option(*command, choices->json);
   command->footer(
       "Rules are switched in the scene file: `physics: {rules: {sleep: false}}`, pads without "

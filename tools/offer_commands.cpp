@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "prehend/graph/introspection.h"
+#include "prehend/text/command_line.h"
 #include "tools/action_send.h"
 #include "tools/commands.h"
 #include "tools/json.h"
@@ -50,7 +51,7 @@ void add_service_commands_to(CLI::App& group, Outcome& outcome) {
   call->add_option("service", options->service, "The service")->required();
   call->add_option("request", options->text, "Protobuf text or JSON; default: an empty request");
   call->add_option("-t,--timeout", options->timeout, "Longest wait for the response [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(text::above_zero())
       ->capture_default_str();
   add_registry_option(*call, options->registry);
   add_json_option(*call, options->json);
@@ -69,7 +70,7 @@ void add_action_commands_to(CLI::App& group, Outcome& outcome) {
   send->add_option("action", options->action, "The action")->required();
   send->add_option("goal", options->text, "Protobuf text or JSON; default: an empty goal");
   send->add_option("-t,--timeout", options->timeout, "Cancel the goal after so long [s]; 0: never")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   send->add_flag("-q,--quiet", options->quiet, "Print no feedback");
   add_registry_option(*send, options->registry);
   add_json_option(*send, options->json);

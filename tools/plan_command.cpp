@@ -37,8 +37,7 @@ void add_plan_command(CLI::App& app) {
       "came, and the seconds of each stage. Nothing is started");
   add_plan_options(*command, *choices);
   command->footer(
-      "Platforms: kr5 with pg70 or sdh2, pa10 with bh8. Exit code 3: there is no grasp, or no "
-      "motion.\n"
+      "Exit code 3: there is no grasp, or no motion.\n"
       "Examples:\n"
       "  prehend plan bottle.ply\n"
       "  prehend plan bottle.ply --platform kr5_sdh --move 0,0.2,0 --out out/plan\n"

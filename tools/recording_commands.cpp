@@ -14,6 +14,7 @@
 #include "prehend/graph/introspection.h"
 #include "prehend/graph/security.h"
 #include "prehend/recording/word_list.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/quantities.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
@@ -155,7 +156,7 @@ void add_record(CLI::App& app) {
   command->add_flag("-a,--all", choices->all, "All topics, which is the default");
   command->add_option("-o,--output", choices->output, "File; default: recording-DATE-TIME.mcap");
   command->add_option("-d,--duration", choices->duration, "Seconds after which it ends; 0: never")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command
       ->add_option("--attach", choices->attachments,
                    "A file to keep in the recording; may be repeated")
@@ -198,17 +199,17 @@ void add_replay(CLI::App& app) {
   command
       ->add_option("-r,--rate", choices->rate,
                    "Recorded seconds per second; 0: as fast as the subscribers, without loss")
-      ->check(CLI::NonNegativeNumber)
+      ->check(text::above_zero(true))
       ->capture_default_str();
   command->add_option("-s,--start", choices->start, "Seconds after its beginning to start at")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command->add_option("-e,--end", choices->end, "Seconds after its beginning to end at; 0: its end")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command->add_option("-t,--topics", choices->topics, "Only these topics, * for any text");
   command->add_option("--remap", choices->remaps, "FROM:=TO, publish a topic by another name")
       ->allow_extra_args(false);
   command->add_option("--wait", choices->wait, "Longest wait for subscribers before it begins [s]")
-      ->check(CLI::NonNegativeNumber)
+      ->check(text::above_zero(true))
       ->capture_default_str();
   command->add_flag("-l,--loop", choices->loop, "Begin again at the end");
   command->add_flag("--hold", choices->hold, "Stay at the end for late subscribers");

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "prehend/text/command_line.h"
 #include "tools/commands.h"
 #include "tools/topic_echo.h"
 #include "tools/topic_list.h"
@@ -54,11 +55,11 @@ void add_measure(CLI::App& group, Outcome& outcome, const std::string& name,
   CLI::App* command = group.add_subcommand(name, description);
   command->add_option("topic", options->topic, "The topic")->required();
   command->add_option("-d,--duration", options->duration, "Seconds to measure; 0: until Ctrl-C")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command->add_option("-n,--count", options->count, "Messages to measure; 0: until Ctrl-C");
   command
       ->add_option("-w,--window", options->window, "Latest messages that the figures are taken of")
-      ->check(CLI::Range(2, 1000000))
+      ->check(text::in_range(2, 1000000))
       ->capture_default_str();
   if (quantity == MeasureOptions::Quantity::kDelay) {
     command
@@ -84,17 +85,17 @@ void add_publish(CLI::App& group, Outcome& outcome) {
   command->add_option("--type", publish->type,
                       "Its type; default: that of the topic's publishers or subscribers");
   command->add_option("-r,--rate", publish->rate, "Messages a second; 0: one message only")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command->add_option("-n,--count", publish->count, "Messages at that rate; 0: until Ctrl-C");
   command->add_option("--wait", publish->wait, "Longest wait for a subscriber [s]")
-      ->check(CLI::NonNegativeNumber)
+      ->check(text::above_zero(true))
       ->capture_default_str();
   command->add_flag("--latched", publish->latched,
                     "Keep the last message for late subscribers, as long as this command runs");
   command
       ->add_option("--hold", publish->hold,
                    "With --latched: how long to stay after the last message [s]; 0: until Ctrl-C")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   add_registry_option(*command, publish->registry);
   command->footer(
       "Examples:\n"

@@ -19,6 +19,7 @@
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/tree_file.h"
 
 namespace {
@@ -153,12 +154,12 @@ int main(int argc, char** argv) {
       "that was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
   app.add_option("--touches", options.touches, "of each object; 5, of a hand 3")
-      ->check(CLI::Range(1, 20));
+      ->check(text::in_range(1, 20));
   app.add_option("--looks", options.looks,
                  "in place of touching, the arm of --hand (a platform, kr5_sdh) grasps the object "
                  "and turns it before the camera, or where it carries the camera looks from "
                  "elsewhere, so often at most")
-      ->check(CLI::Range(1, 16));
+      ->check(text::in_range(1, 16));
   app.add_flag("--fit-prior", options.fit_prior,
                "also fit the weights that shapes have before a touch (ShapePrior), and tell how "
                "well they do on objects that they were not fitted to");

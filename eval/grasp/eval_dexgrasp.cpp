@@ -22,6 +22,7 @@
 #include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/simulation/engines/registry.h"
+#include "prehend/text/command_line.h"
 
 namespace {
 
@@ -47,8 +48,9 @@ struct NamedCase {
 
 std::vector<eval::DataSet> objects_of(const DexOptions& options) {
   std::vector<eval::DataSet> objects = eval::data_sets_to_evaluate(options.meshes, options.groups);
-  std::string known;
-  for (const eval::DataSet& one : objects) known += (known.empty() ? "" : ", ") + one.name;
+  std::vector<std::string> names;
+  for (const eval::DataSet& one : objects) names.push_back(one.name);
+  eval::check_only(options.only, names, "object");
   if (!options.only.empty()) {
     std::erase_if(objects, [&](const eval::DataSet& one) {
       return std::find(options.only.begin(), options.only.end(), one.name) == options.only.end();
@@ -57,9 +59,6 @@ std::vector<eval::DataSet> objects_of(const DexOptions& options) {
     std::vector<eval::DataSet> some;
     for (std::size_t i = 0; i < objects.size(); i += 3) some.push_back(objects[i]);
     objects = std::move(some);
-  }
-  if (objects.empty()) {
-    throw geometry::InputError("No object has a name given by --only", "There are " + known);
   }
   return objects;
 }
@@ -159,18 +158,18 @@ void add_dex_options(CLI::App& app, DexOptions& options) {
       ->capture_default_str();
   app.add_option("--grasps", options.choice.grasps,
                  "tried of each plan, the best ones; 0: measures planning alone")
-      ->check(CLI::Range(0, 10000))
+      ->check(text::in_range(0, 10000))
       ->capture_default_str();
   app.add_option("--friction", options.choice.protocol.friction, "of all there is")
-      ->check(CLI::Range(0.001, 10.0))
+      ->check(text::in_range(0.001, 10.0))
       ->capture_default_str();
   app.add_option("--stiffness", options.choice.protocol.stiffness,
                  "of the fingers' position loops [N m/rad]")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(text::in_range(0.1, 100.0))
       ->capture_default_str();
   app.add_option("--safety", options.choice.protocol.safety,
                  "of the fingers' forces that squeeze over those that just bear the pull")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(text::in_range(0.1, 100.0))
       ->capture_default_str();
   app.add_flag(
       "--equal-efforts", options.choice.protocol.equal_efforts,
@@ -184,12 +183,12 @@ void add_dex_options(CLI::App& app, DexOptions& options) {
           ->delimiter(',');
   app.add_option("--samples", options.choice.samples,
                  "of the surface: antipodal points, medial balls, rays of each box side")
-      ->check(CLI::Range(1, 100000))
+      ->check(text::in_range(1, 100000))
       ->needs(generators);
   app.add_option("--seed", options.choice.seed, "of candidates and of disturbed poses")
       ->capture_default_str();
   app.add_option("--threads", options.choice.threads, "of planning, in each process")
-      ->check(CLI::Range(1, 256))
+      ->check(text::in_range(1, 256))
       ->capture_default_str();
   app.add_flag("--quick", options.quick, "every third object");
   app.add_flag("--list", options.list, "print the names of the cases and do nothing");

@@ -22,6 +22,7 @@
 #include "prehend/fidelity/chosen_chain.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/tree_file.h"
 
 namespace {
@@ -69,6 +70,7 @@ bool is_complete(const eval::GraspCase& result, const std::vector<eval::PlannerS
 }
 
 int run(const Options& options) {
+  eval::check_platforms(options.platforms);
   std::deque<eval::PlatformUnderTest> platforms;
   std::deque<eval::ChainOptions> chains;
   eval::CaseRunOptions runs = options.choice.runs;
@@ -162,9 +164,9 @@ int main(int argc, char** argv) {
                      "seen, shapes "
                      "predicted and grasps planned, by the front of measured chains (planning is "
                      "not cut off)")
-          ->check(CLI::PositiveNumber);
+          ->check(text::above_zero());
   app.add_option("--tolerance", options.tolerance, "m, of the predicted mesh, likewise")
-      ->check(CLI::PositiveNumber)
+      ->check(text::above_zero())
       ->excludes(budget);
   app.add_option("--from", options.from,
                  "images or cloud: what the chain begins with that --budget or --tolerance choose; "

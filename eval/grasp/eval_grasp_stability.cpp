@@ -20,6 +20,7 @@
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 
 namespace {
 
@@ -130,7 +131,7 @@ int main(int argc, char** argv) {
                  fmt::format("that close on something, of each platform (default {}); one number: "
                              "of each as many",
                              fmt::join(kGrasps, " ")))
-      ->check(CLI::Range(1, 1000000));
+      ->check(text::in_range(1, 1000000));
   app.add_option("--seed", options.seed, "of how grasps are spoilt and of the pads' electronics")
       ->capture_default_str();
   app.add_flag("--quick", options.quick,

@@ -15,6 +15,7 @@
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/motion/planner_registry.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/json.h"
 
 namespace {
@@ -88,19 +89,21 @@ text::Json json_of(const MotionResult& one) {
 
 int run(const Options& options) {
   std::vector<eval::MotionProblem> problems = eval::read_motion_problems(options.problems);
+  std::vector<std::string> sets;
+  for (const eval::MotionProblem& one : problems) {
+    if (sets.empty() || sets.back() != one.set) sets.push_back(one.set);
+  }
+  eval::check_only(options.only, sets, "set of problems");
   std::erase_if(problems, [&](const eval::MotionProblem& one) {
     return !options.only.empty() && std::ranges::find(options.only, one.set) == options.only.end();
   });
-  if (problems.empty()) {
-    throw geometry::InputError("No problem is of the sets that --only names",
-                               "Name folders of '" + options.problems + "'");
-  }
   const motion::PlannerRegistry registry;
   std::vector<std::unique_ptr<motion::PathPlanner>> planners;
   for (const std::string& name : options.planners) planners.push_back(registry.create(name));
   const auto robot = eval::with_fixed(
       eval::read_planning_robot(options.urdf, options.srdf, problems.front().group),
       problems.front().start);
+  fmt::print(stderr, "{} problems; the robot is covered by balls\n", problems.size());
   eval::MotionTrials trials(robot, options.trial);
   std::vector<MotionResult> results;
   int tried = 0, invalid = 0;
@@ -144,7 +147,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   app.add_option("--planner", options.planners, "planners by name")->capture_default_str();
   app.add_option("--only", options.only, "these sets");
-  app.add_option("--every", options.every, "every n-th problem")->check(CLI::PositiveNumber);
+  app.add_option("--every", options.every, "every n-th problem")->check(text::above_zero());
   app.add_option(
          "--balls", options.trial.ball_resolutions,
          "m, how finely balls cover the robot, a fifth of it beyond meshes; the next where one "
@@ -157,12 +160,16 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--resolution", options.trial.path.resolution,
                  "rad or m, of a search that does not sweep")
+      ->check(text::above_zero())
       ->capture_default_str();
-  app.add_option("--step", options.trial.path.step, "rad or m, of a branch")->capture_default_str();
+  app.add_option("--step", options.trial.path.step, "rad or m, of a branch")
+      ->check(text::above_zero())
+      ->capture_default_str();
   app.add_option("--iterations", options.trial.path.iterations, "samples at most")
       ->capture_default_str();
   app.add_option("--shortcuts", options.trial.path.shortcuts, "at most")->capture_default_str();
   app.add_option("--check-step", options.trial.check_step, "rad or m, of the sweep")
+      ->check(text::above_zero())
       ->capture_default_str();
   app.add_option("--seed", options.trial.path.seed)->capture_default_str();
   app.add_option("--json", options.json, "file for the results");

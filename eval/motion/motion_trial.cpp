@@ -52,16 +52,16 @@ MotionTrials::MotionTrials(const PlanningRobot& robot, const MotionTrialOptions&
       options_(options),
       chain_(robot.model, robot.base, robot.tip),
       oracle_(robot.model, robot.base, robot.tip, robot.may_touch) {
-  for (const double resolution : options.ball_resolutions) {
-    spheres_.push_back(motion::make_robot_spheres(robot.model, robot.base, robot.tip, resolution,
-                                                  &robot.may_touch));
-  }
   const motion::CheckerRegistry registry;
   for (const std::string& name : options.checkers) {
     checkers_.push_back(registry.create(name));
     if (checkers_.back()) continue;
     throw geometry::InputError("--checkers '" + name + "' tests balls, as all are tested first",
                                "Name finer ones by --balls, or another checker");
+  }
+  for (const double resolution : options.ball_resolutions) {
+    spheres_.push_back(motion::make_robot_spheres(robot.model, robot.base, robot.tip, resolution,
+                                                  &robot.may_touch));
   }
   if (!checkers_.empty()) shapes_ = motion::make_robot_shapes(robot.model, robot.base, robot.tip);
 }

@@ -61,11 +61,13 @@ class ClearWatch {
     }
     // What a push moves is what it is for.
     if (begins && phase == control::Phase::kApproach) before_ = now_;
+    if (begins && phase != control::Phase::kRelease) pushes_ = phase == control::Phase::kPush;
     last_ = phase;
     last_stamp_ = state.header().stamp();
     const std::string& detail = state.detail();
     const std::size_t at = detail.rfind(kOpening);
-    if (phase != control::Phase::kRelease || at == std::string::npos) return;
+    // A push is no attempt, and no failed one.
+    if (phase != control::Phase::kRelease || at == std::string::npos || pushes_) return;
     const std::string words = detail.substr(0, at);
     ++result_->said[words];
     ++result_->failures[cause_of(words)];
@@ -106,7 +108,7 @@ class ClearWatch {
   ClearResult* result_;
   Places now_, before_;
   Places middles_B_;  // of the bodies' own frames
-  bool looked_ = false;
+  bool looked_ = false, pushes_ = false;
   std::optional<control::Phase> last_;
   std::optional<std::int64_t> first_stamp_;  // ns
   std::int64_t last_stamp_ = 0;
@@ -172,8 +174,7 @@ ClearResult run_clear(const std::filesystem::path& file, const std::string& plat
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::filesystem::create_directories(folder);
   const auto start = std::chrono::steady_clock::now();
-  const int exit_code = run_prehend(programs, demo_words(file, platform, folder, words),
-                                    folder / "output.txt", kLongest);
+  const int exit_code = run_demo(programs, file, platform, folder, words, kLongest);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   try {
     judge(folder / "recording.mcap", &result);

@@ -18,6 +18,7 @@
 #include "eval/platform/pick_run.h"
 #include "eval/text_files.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/tree_file.h"
 
 namespace {
@@ -85,6 +86,7 @@ std::string summary_of(const std::vector<std::string>& platforms,
 }
 
 int run(const Options& options) {
+  eval::check_platforms(options.platforms);
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const auto scenes = eval::of_each_seed(options.choice, [&](std::uint64_t seed) {
     return eval::make_table_scenes(sets, options.scenes, seed);
@@ -136,7 +138,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(known))
       ->capture_default_str();
   app.add_option("--scenes", options.scenes, "how many scenes are generated")
-      ->check(CLI::Range(1, 100000))
+      ->check(text::in_range(1, 100000))
       ->capture_default_str();
   app.add_option("--launch-argument", options.arguments,
                  "of launch/demo.yaml, for all runs, e.g. minimum_stability:=0.1; results with "

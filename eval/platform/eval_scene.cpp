@@ -23,6 +23,7 @@
 #include "prehend/report/page.h"
 #include "prehend/robot/platform.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/tree_file.h"
 
 namespace {
@@ -182,6 +183,7 @@ ClearResult result_of(const Run& one, const std::vector<simulation::ClutterSolid
 }
 
 int run(const Options& options) {
+  eval::check_platforms(options.platforms);
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const auto cases = eval::of_each_seed(options.choice, [&](std::uint64_t seed) {
     return eval::clutter_cases(options.scenes, seed);
@@ -240,12 +242,12 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(known))
       ->capture_default_str();
   app.add_option("--scenes", options.scenes, "how many scenes are made")
-      ->check(CLI::Range(1, 100000))
+      ->check(text::in_range(1, 100000))
       ->capture_default_str();
   app.add_option("--widest", options.widest,
                  "bodies that are wider across every horizontal direction are left out [m]; 0.06 "
                  "leaves 9 mm to the PG70")
-      ->check(CLI::Range(0.01, 1.0))
+      ->check(text::in_range(0.01, 1.0))
       ->capture_default_str();
   app.add_option("--launch-argument", options.arguments,
                  "of launch/demo.yaml, for all runs, e.g. minimum_stability:=0.1; results with "

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -21,6 +22,24 @@ namespace prehend::eval {
 namespace {
 
 constexpr int kNotStarted = 127;  // as shells have it
+
+// Of `prehend launch launch/demo.yaml` for a platform in a scene's file, as fast as it can.
+std::vector<std::string> demo_words(const std::filesystem::path& scene, const std::string& platform,
+                                    const std::filesystem::path& folder,
+                                    const std::vector<std::string>& arguments) {
+  const std::filesystem::path out = std::filesystem::absolute(folder);
+  std::vector<std::string> words{"launch",
+                                 text::tree_file("launch/demo.yaml"),
+                                 "platform:=" + platform,
+                                 "scene:=" + std::filesystem::absolute(scene).string(),
+                                 "out:=" + out.string(),
+                                 "speed:=0",
+                                 "record:=true",
+                                 "--log-dir",
+                                 (out / "log").string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
 
 }  // namespace
 
@@ -66,6 +85,22 @@ int run_prehend(const std::filesystem::path& programs, const std::vector<std::st
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+int run_demo(const std::filesystem::path& programs, const std::filesystem::path& scene,
+             const std::string& platform, const std::filesystem::path& folder,
+             const std::vector<std::string>& arguments, std::chrono::seconds timeout) {
+  const std::filesystem::path said = folder / "output.txt";
+  const int code =
+      run_prehend(programs, demo_words(scene, platform, folder, arguments), said, timeout);
+  if (std::filesystem::exists(folder / "recording.mcap")) return code;
+  std::string last = "nothing";
+  std::ifstream lines(said);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty()) last = line;
+  }
+  throw geometry::InputError("launch/demo.yaml left no recording; it said last: " + last,
+                             "See " + said.string());
+}
+
 std::vector<std::string> launch_arguments(const std::vector<std::string>& words) {
   constexpr const char* kOwn[] = {"platform", "scene", "out", "speed", "record"};
   for (const std::string& word : words) {
@@ -80,23 +115,6 @@ std::vector<std::string> launch_arguments(const std::vector<std::string>& words)
                                  "Leave it out; --platform and --out choose theirs");
     }
   }
-  return words;
-}
-
-std::vector<std::string> demo_words(const std::filesystem::path& scene, const std::string& platform,
-                                    const std::filesystem::path& folder,
-                                    const std::vector<std::string>& arguments) {
-  const std::filesystem::path out = std::filesystem::absolute(folder);
-  std::vector<std::string> words{"launch",
-                                 text::tree_file("launch/demo.yaml"),
-                                 "platform:=" + platform,
-                                 "scene:=" + std::filesystem::absolute(scene).string(),
-                                 "out:=" + out.string(),
-                                 "speed:=0",
-                                 "record:=true",
-                                 "--log-dir",
-                                 (out / "log").string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
   return words;
 }
 

@@ -155,8 +155,7 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
   result.bodies = static_cast<int>(scene.bodies.size());
   const std::filesystem::path file = std::filesystem::absolute(write_scene(scene, folder));
   const auto start = steady_clock::now();
-  const int exit_code = run_prehend(programs, demo_words(file, platform, folder, arguments),
-                                    folder / "output.txt", kTimeout);
+  const int exit_code = run_demo(programs, file, platform, folder, arguments, kTimeout);
   result.seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
   try {
     judge(read_recording(folder / "recording.mcap"), exit_code, &result);

@@ -9,6 +9,7 @@
 
 #include "eval/touch/experiment.h"
 #include "eval/touch/slip_hold.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/knob.h"
 
 namespace {
@@ -35,7 +36,8 @@ struct AddOption {
     std::string name = "--" + std::string(knob.name);
     std::replace(name.begin(), name.end(), '_', '-');
     app->add_option(name, knob.value, std::string(knob.description))
-        ->check(CLI::Range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
+        ->check(
+            prehend::text::in_range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
         ->capture_default_str();
   }
 };
@@ -146,7 +148,7 @@ int main(int argc, char** argv) {
         app.add_option("--seed", options.seed, "of the first hold of each shape and kind")
             ->capture_default_str();
         app.add_option("--holds", options.holds, "of each shape and kind")
-            ->check(CLI::Range(1, 1000))
+            ->check(prehend::text::in_range(1, 1000))
             ->capture_default_str()
             ->excludes("--quick");
         HoldSlipOptions::knobs(options.slip, AddOption{&app});

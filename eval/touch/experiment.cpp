@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/text_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/json.h"
 
 namespace prehend::eval::touch {
@@ -67,7 +68,7 @@ int run_experiment(int argc, char** argv, const std::string& description,
   app.add_option("--json", options.json, "file of the figures");
   app.add_flag("--quick", options.quick, "a coarser run, for a first look");
   if (add_options) add_options(app);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = text::parse_command_line(app, argc, argv)) return *code;
   try {
     report::Page page(description);
     const Findings findings = work(options, page);

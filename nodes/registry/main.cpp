@@ -11,6 +11,7 @@
 
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
+#include "prehend/text/command_line.h"
 
 int main(int argc, char** argv) {
   prehend::graph::RegistryOptions options;
@@ -27,7 +28,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--keys", options.keys_file,
                  "Key file of the graph, see prehend keys; default: PREHEND_KEYS, else none");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = prehend::text::parse_command_line(app, argc, argv)) return *code;
 
   sigset_t signals;  // blocked before threads are made, so that this one alone waits for them
   sigemptyset(&signals);

@@ -103,9 +103,11 @@ const Setting& within_budget(const Front& front, double seconds) {
   const auto fastest =
       std::min_element(front.settings.begin(), front.settings.end(),
                        [](const Setting& a, const Setting& b) { return a.seconds < b.seconds; });
+  const std::string what = front.error_name.empty() ? "" : " (" + front.error_name + ")";
   throw UnreachableError(
       fmt::format("No setting of '{}' takes at most {:.4g} ms", front.subject, 1e3 * seconds),
-      "Allow as much as the fastest one: " + described(*fastest, front.error_unit), *fastest);
+      "Allow as much as the fastest one: " + described(*fastest, front.error_unit) + what,
+      *fastest);
 }
 
 const Setting& within_tolerance(const Front& front, double error) {

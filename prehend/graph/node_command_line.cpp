@@ -11,6 +11,7 @@
 #include "prehend/graph/link/parameter_store.h"
 #include "prehend/graph/node_impl.h"
 #include "prehend/graph/parameter_file.h"
+#include "prehend/text/command_line.h"
 
 namespace prehend::graph {
 namespace {
@@ -69,7 +70,7 @@ void add_options(CLI::App& app, NodeCommandLine& command, Texts& texts) {
   app.add_option("--busy-wait", texts.busy_wait,
                  "How long to look out for messages before sleeping [s], e.g. 0.00005: faster, for "
                  "processor time")
-      ->check(CLI::Range(0.0, 0.1));
+      ->check(text::in_range(0.0, 0.1));
 }
 
 void print_parameter(const ParameterInfo& parameter) {

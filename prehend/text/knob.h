@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -51,6 +52,9 @@ struct SetKnobs {
   void operator()(const Knob<Value>& knob) const {
     const auto found = given->find(std::string(knob.name));
     if (found == given->end()) return;
+    if (!std::isfinite(found->second)) {
+      throw std::invalid_argument(found->first + " must be a finite number");
+    }
     knob.value = static_cast<Value>(found->second);
     if (static_cast<double>(knob.value) != found->second) {
       throw std::invalid_argument(found->first + " must be a whole number, not " +

@@ -79,6 +79,28 @@ TEST_P(CaseChoiceOf, HasEachCaseWithEachSeed) {
   EXPECT_NE(code_, 0);
 }
 
+class PlatformChoiceOf : public CaseChoiceOf {};
+
+TEST_P(PlatformChoiceOf, HasEachPlatformOnce) {
+  EXPECT_THAT(run("--groups household --platform stage_pg70 kr5_sdh stage_pg70 --list"),
+              HasSubstr("--platform names 'stage_pg70' twice"));
+  EXPECT_NE(code_, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, PlatformChoiceOf,
+                         ::testing::Values("eval_grasp", "eval_platform", "eval_scene"));
+
+class LaunchesOf : public CaseChoiceOf {};
+
+// Regression: a launch that was never begun was a table that was not cleared.
+TEST_P(LaunchesOf, ALaunchThatDoesNotBeginIsAFailedCase) {
+  EXPECT_THAT(run("--groups household --scenes 1 --launch-argument nothing_of_the_kind:=1"),
+              AllOf(HasSubstr("left no recording"), HasSubstr("nothing_of_the_kind")));
+  EXPECT_NE(code_, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, LaunchesOf, ::testing::Values("eval_platform", "eval_scene"));
+
 INSTANTIATE_TEST_SUITE_P(Programs, CaseChoiceOf, ::testing::ValuesIn(kPrograms),
                          [](const auto& one) { return std::string(one.param); });
 

@@ -112,6 +112,11 @@ TEST_F(Explain, ABadSceneIsOneClearError) {
   EXPECT_EQ(exit_code_, 2);
   run({"config/scenes/demo.yaml", "--loud"});
   EXPECT_EQ(exit_code_, 2);
+  for (const char* none : {"nan", "0", "-1", "fast"}) {
+    EXPECT_THAT(run({"config/scenes/demo.yaml", "--tolerance", none}),
+                HasSubstr(std::string("'") + none + "' is no number above 0"));
+    EXPECT_EQ(exit_code_, 2);
+  }
 }
 
 constexpr int kTablePoints = 101 * 101;
@@ -158,6 +163,8 @@ TEST_F(Explain, SaysWhatBecomesOfARecordedCloud) {
   EXPECT_THAT(run({cloud, "--budget", "1us"}), HasSubstr("Allow as much as the fastest one"));
   EXPECT_THAT(run({cloud, "--front", "config/fidelity/touch.yaml"}), HasSubstr("is for scenes"));
   EXPECT_THAT(run({cloud, "--split", "top"}), HasSubstr("split is 'top'"));
+  EXPECT_THAT(run({cloud, "--platform", "stage_pg7O", "--tolerance", "0.5"}),
+              HasSubstr("nearest is 'stage_pg70'"));
   EXPECT_THAT(run({cloud, "--split", "wide"}), HasSubstr("Name the platform or hand"));
   EXPECT_THAT(run({cloud, "--split", "wide", "--platform", "stage_pg70"}),
               HasSubstr("needs an organized cloud"));

@@ -1,4 +1,5 @@
 #include "tools/calibrate/choices.h"
+#include "prehend/text/command_line.h"
 
 namespace prehend::tools {
 namespace {
@@ -37,21 +38,21 @@ void add_lens(CLI::App& command, CalibrateChoices& choices) {
       ->check(CLI::IsMember({5, 8}))
       ->capture_default_str();
   command.add_option("--views", choices.views, "Views that are wanted")
-      ->check(CLI::Range(4, 1000))
+      ->check(text::in_range(4, 1000))
       ->capture_default_str();
 }
 
 void add_noises(CLI::App& command, CalibrateChoices& choices) {
   command.add_option("--pixel-noise", choices.pixel_noise, "Of a corner [pixels]")
-      ->check(CLI::Range(1e-3, 100.0))
+      ->check(text::in_range(1e-3, 100.0))
       ->capture_default_str();
   command
       .add_option("--position-noise", choices.position_noise,
                   "Of the arm about what it says, each axis [m]")
-      ->check(CLI::Range(1e-7, 0.1))
+      ->check(text::in_range(1e-7, 0.1))
       ->capture_default_str();
   command.add_option("--rotation-noise", choices.rotation_noise, "The same [rad]")
-      ->check(CLI::Range(1e-7, 0.2))
+      ->check(text::in_range(1e-7, 0.2))
       ->capture_default_str();
 }
 
@@ -81,15 +82,15 @@ void add_arm_to_poses(CLI::App& command, CalibrateChoices& choices) {
   command
       .add_option("--camera-radius", choices.camera_radius,
                   "Of a ball round the optical centre that holds the camera [m]; 0: no camera")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(text::in_range(0.0, 1.0))
       ->capture_default_str();
   command
       .add_option("--clearance", choices.clearance,
                   "Kept from table, board and camera [m]: more than the two poses are off")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(text::in_range(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--poses", choices.poses, "How many")
-      ->check(CLI::Range(5, 200))
+      ->check(text::in_range(5, 200))
       ->capture_default_str();
   command.add_flag("--offsets", choices.offsets, "For finding the joints' zero offsets as well");
   command.add_option("--seed", choices.seed, "Of the candidates")->capture_default_str();
@@ -148,11 +149,11 @@ void add_calibrate_collect_options(CLI::App& command, CalibrateChoices& choices)
   add_arm_to_poses(command, choices);
   add_noises(command, choices);
   command.add_option("--speed", choices.speed, "Share of the joints' greatest speeds")
-      ->check(CLI::Range(0.01, 1.0))
+      ->check(text::in_range(0.01, 1.0))
       ->capture_default_str();
   command
       .add_option("--patience", choices.patience, "With topics and actions that do not come [s]")
-      ->check(CLI::Range(0.1, 600.0))
+      ->check(text::in_range(0.1, 600.0))
       ->capture_default_str();
   command.add_option("--registry", choices.registry, "Endpoint of the registry");
   command
@@ -184,7 +185,7 @@ void add_calibrate_wrench_options(CLI::App& command, CalibrateChoices& choices) 
 void add_calibrate_board_options(CLI::App& command, CalibrateChoices& choices) {
   command.add_option("board", choices.board, "YAML file of the board")->required();
   command.add_option("--pixels", choices.pixels, "Of a square's or tag's side")
-      ->check(CLI::Range(16, 2000))
+      ->check(text::in_range(16, 2000))
       ->capture_default_str();
   command.add_option("-o,--out", choices.out, "The image to write")->required();
 }

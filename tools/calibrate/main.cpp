@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/text/command_line.h"
 #include "tools/calibrate/runs.h"
 
 int main(int argc, char** argv) {
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
       }
     });
   }
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = prehend::text::parse_command_line(app, argc, argv)) return *code;
   try {
     run(*chosen);
   } catch (const std::exception& error) {

@@ -9,6 +9,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/known/grasp_database.h"
+#include "prehend/text/command_line.h"
 #include "tools/json.h"
 #include "tools/table.h"
 
@@ -80,7 +81,7 @@ int main(int argc, char** argv) {
   app.add_flag("--csv", csv);
   app.add_flag("--json", json);
   app.add_option("--forget", which);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = text::parse_command_line(app, argc, argv)) return *code;
   try {
     if (!std::filesystem::exists(file)) {
       throw geometry::InputError("There is no file '" + file + "'",

@@ -6,6 +6,7 @@
 #include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/tree_file.h"
 #include "tools/grasp_plan/knob_options.h"
 #include "tools/table.h"
@@ -28,7 +29,7 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       .add_option("--scale", choices.scale,
                   "metres per unit of the file; default: 1, for a mesh that would be "
                   "larger than 3 m 0.001")
-      ->check(CLI::PositiveNumber);
+      ->check(text::above_zero());
   command.add_option("--viewpoint", choices.viewpoint,
                      "of a cloud: pose of the sensor in the file's frame, \"x y z qw qx qy qz\"; "
                      "default: found out from the file");
@@ -51,21 +52,22 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                    "leave a mesh where its file has it, on the table z = 0; else it is put on the "
                    "table, at the origin");
   command.add_option("--object", choices.object, "object of a cloud, 0: the largest")
-      ->check(CLI::NonNegativeNumber)
+      ->check(text::above_zero(true))
       ->capture_default_str();
   command
       .add_option("--alternatives", choices.alternatives,
                   "shapes at most that the object of a cloud may have as well, by other planes of "
                   "symmetry: grasps are tried on them too; default: 2")
-      ->check(CLI::NonNegativeNumber);
+      ->check(text::above_zero(true));
   command
       .add_option(
           "--tolerance", choices.tolerance,
           "of a cloud: mean error of the mesh [m]; all stages as fast as that allows, by "
           "fidelity/chain_cloud.yaml in --config (chain_cloud_hand.yaml for other hands than "
-          "the PG70). --budget [s of processor] chooses for a cloud from it, too: what "
+          "the PG70, and all platforms but stage_pg70). --budget [s of processor] chooses for a "
+          "cloud from it, too: what "
           "lifts most within that from the cloud to grasps")
-      ->check(CLI::Range(1e-6, 1.0));
+      ->check(text::in_range(1e-6, 1.0));
   CLI::Option* hand =
       command
           .add_option("--hand", choices.hand,
@@ -106,7 +108,7 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       ->needs(platform);
   command.add_option("--seed", choices.seed, "of all random choices")->capture_default_str();
   command.add_option("--rows", choices.rows, "grasps to list at most")
-      ->check(CLI::PositiveNumber)
+      ->check(text::above_zero())
       ->capture_default_str();
   command.add_option("--database", choices.database,
                      "file of grasps of known meshes: those of this mesh and hand are tried first, "
@@ -120,7 +122,7 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       .add_option("--remedy-budget", choices.remedy_budget,
                   "where there is no grasp, or no motion: for finding out what would help, by "
                   "planning again with other openings, forces, masses, ... [s]; 0: it is not")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(text::in_range(0.0, 3600.0))
       ->capture_default_str();
   command.add_option("--out", choices.out, "folder for a page with pictures");
   command.add_option(

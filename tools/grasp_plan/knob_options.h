@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "prehend/text/command_line.h"
 #include "prehend/text/knob.h"
 
 namespace prehend::tools {
@@ -33,7 +34,7 @@ struct OfferKnobs {
               (*given)[name] = static_cast<double>(value);
             },
             help)
-        ->check(CLI::Range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
+        ->check(text::in_range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
         ->group(group);
   }
 };

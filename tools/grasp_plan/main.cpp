@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "prehend/text/command_line.h"
 #include "tools/grasp_plan/printed.h"
 
 int main(int argc, char** argv) {
@@ -11,7 +12,7 @@ int main(int argc, char** argv) {
   PlanChoices choices;
   CLI::App app("Plan grasps of a mesh or of an object in a recorded cloud", "prehend plan");
   add_plan_options(app, choices);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = prehend::text::parse_command_line(app, argc, argv)) return *code;
   try {
     Progress progress;
     const PlanTarget target = read_target(choices, progress);

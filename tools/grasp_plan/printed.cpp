@@ -190,7 +190,10 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
   std::vector<std::string> notes = target.notes;
   const robot::RobotModel& robot = planned.platform ? planned.platform->model : planned.hand.model;
   notes.insert(notes.end(), robot.remarks.begin(), robot.remarks.end());
-  if (!planned.chosen.empty()) notes.push_back("by the budget: " + planned.chosen);
+  if (!planned.chosen.empty()) {
+    notes.push_back((choices.tolerance > 0 ? "by the tolerance: " : "by the budget: ") +
+                    planned.chosen);
+  }
   if (!choices.path_planner.empty()) {
     notes.push_back("the arm's paths are found by " + choices.path_planner);
   }

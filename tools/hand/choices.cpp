@@ -1,4 +1,5 @@
 #include "tools/hand/choices.h"
+#include "prehend/text/command_line.h"
 
 namespace prehend::tools {
 
@@ -24,12 +25,12 @@ void add_hand_options(CLI::App& app, HandChoices& choices) {
   learn->add_option("--on", choices.on,
                     "a platform's file: also write NAME_on_PLATFORM.yaml, its arm with this hand");
   learn->add_option("--friction", choices.friction, "coefficient of the fingers' skin")
-      ->check(CLI::Range(0.05, 3.0))
+      ->check(text::in_range(0.05, 3.0))
       ->capture_default_str();
   learn
       ->add_option("--least-sure", choices.least_sure,
                    "preshapes are made of what opposes at least as surely as this")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(text::in_range(0.0, 1.0))
       ->capture_default_str();
   learn->add_flag("--overwrite", choices.overwrite, "write over files that are there");
 }

@@ -1,4 +1,5 @@
 #include "tools/jog/choices.h"
+#include "prehend/text/command_line.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -13,7 +14,7 @@ void add_robot_options(CLI::App& command, JogChoices& choices) {
   command
       .add_option("--patience", choices.patience,
                   "Wait so long for /joint_states and for who moves the robot [s]")
-      ->check(CLI::Range(0.1, 600.0))
+      ->check(text::in_range(0.1, 600.0))
       ->capture_default_str();
 }
 
@@ -32,7 +33,7 @@ void add_surroundings_options(CLI::App& command, JogChoices& choices) {
       })
       ->capture_default_str();
   command.add_option("--clearance", choices.clearance, "That is kept from the table [m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(text::in_range(0.0, 1.0))
       ->capture_default_str();
 }
 
@@ -54,13 +55,13 @@ void add_jog_options(CLI::App& command, JogChoices& choices) {
   choices.speed = 0.1;
   add_robot_options(command, choices);
   command.add_option("--speed", choices.speed, "To begin with, share of the greatest speeds")
-      ->check(CLI::Range(0.01, 1.0))
+      ->check(text::in_range(0.01, 1.0))
       ->capture_default_str();
   command
       .add_option("--hold", choices.hold,
                   "A key counts for so long [s]; more than its repetitions are apart, e.g. over a "
                   "slow line")
-      ->check(CLI::Range(0.05, 0.5))
+      ->check(text::in_range(0.05, 0.5))
       ->capture_default_str();
   command.add_option(
       "--preshape", choices.preshape,
@@ -73,7 +74,7 @@ void add_home_options(CLI::App& command, JogChoices& choices) {
   choices.speed = 0.2;
   add_robot_options(command, choices);
   command.add_option("--speed", choices.speed, "Share of the joints' greatest speeds")
-      ->check(CLI::Range(0.01, 1.0))
+      ->check(text::in_range(0.01, 1.0))
       ->capture_default_str();
   command
       .add_option("--to", choices.home, "Another of the platform's homes, by its name in the file")
@@ -88,14 +89,14 @@ void add_hand_options(CLI::App& command, JogChoices& choices) {
   command.add_option("motion", choices.what, "open, close, list, or the name of a preshape");
   add_robot_options(command, choices);
   command.add_option("--speed", choices.speed, "Share of the hand's greatest speed")
-      ->check(CLI::Range(0.01, 1.0))
+      ->check(text::in_range(0.01, 1.0))
       ->capture_default_str();
   command
       .add_option(
           "--force", choices.force,
           "With close: that each fingertip presses with at most [N]; default: what the hand "
           "can")
-      ->check(CLI::PositiveNumber);
+      ->check(text::above_zero());
   command.add_option("--preshape", choices.preshape,
                      "With close: by whose way; default: the one that the fingers are nearest to");
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/text/command_line.h"
 #include "tools/jog/runs.h"
 
 int main(int argc, char** argv) {
@@ -30,7 +31,7 @@ int main(int argc, char** argv) {
       name = command->get_name();
     });
   }
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = prehend::text::parse_command_line(app, argc, argv)) return *code;
   try {
     for (const Run& one : kRuns) {
       if (name == one.name) return one.run(*chosen);

@@ -15,6 +15,7 @@
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
 #include "prehend/robot/pad_fit/pad_fit.h"
+#include "prehend/text/command_line.h"
 #include "tools/grasp_plan/progress.h"
 #include "tools/json.h"
 #include "tools/pad_fit/choices.h"
@@ -169,7 +170,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Finds what a tactile pad is like from presses"};
   tools::PadFitChoices choices;
   tools::add_pad_fit_options(app, choices);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = text::parse_command_line(app, argc, argv)) return *code;
   try {
     run(choices);
   } catch (const std::exception& error) {

@@ -1,4 +1,5 @@
 #include "tools/robot_model/choices.h"
+#include "prehend/text/command_line.h"
 
 namespace prehend::tools {
 namespace {
@@ -54,7 +55,7 @@ void add_model_options(CLI::App& app, ModelChoices& choices) {
   collision
       ->add_option("--concavity", choices.concavity,
                    "m, how far pieces may reach beyond what is seen; 0.004 where it is not given")
-      ->check(CLI::Range(1e-4, 1.0));
+      ->check(text::in_range(1e-4, 1.0));
   CLI::App* diff = add_command(
       app, choices, "diff",
       "Compare two robots by what they do, whatever their formats: where their links are at random "
@@ -62,7 +63,7 @@ void add_model_options(CLI::App& app, ModelChoices& choices) {
   diff->add_option("first", choices.first, "a robot's file")->required();
   diff->add_option("second", choices.second, "another")->required();
   diff->add_option("--samples", choices.samples, "random positions")
-      ->check(CLI::Range(1, 1000000))
+      ->check(text::in_range(1, 1000000))
       ->capture_default_str();
   add_command(app, choices, "formats", "The formats that are read and written");
 }

@@ -15,6 +15,7 @@
 #include "prehend/fidelity/touch_choice.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/simulation/explain.h"
+#include "prehend/text/command_line.h"
 #include "prehend/text/quantities.h"
 #include "prehend/text/tree_file.h"
 #include "tools/json.h"
@@ -132,6 +133,7 @@ Explanation explain_recorded(const Choices& choices) {
   cloud.up = choices.up;
   cloud.table = choices.table;
   cloud.split = choices.split;
+  if (!choices.platform.empty()) platform_file(choices.platform);  // there is one of that name
   cloud.platform = choices.platform;
   if (!choices.budget.empty()) cloud.budget = text::parse_seconds(choices.budget);
   cloud.tolerance = choices.tolerance;
@@ -186,15 +188,15 @@ int main(int argc, char** argv) {
   app.add_option("file", choices.file);
   app.add_option("--platform", choices.platform);
   app.add_option("--budget", choices.budget);
-  app.add_option("--tolerance", choices.tolerance)->check(CLI::PositiveNumber);
+  app.add_option("--tolerance", choices.tolerance)->check(text::above_zero());
   app.add_option("--front", choices.front);
-  app.add_option("--scale", choices.scale)->check(CLI::PositiveNumber);
+  app.add_option("--scale", choices.scale)->check(text::above_zero());
   app.add_option("--viewpoint", choices.viewpoint);
   app.add_option("--up", choices.up);
   app.add_option("--table", choices.table);
   app.add_option("--split", choices.split);
   app.add_flag("--json", choices.json);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = text::parse_command_line(app, argc, argv)) return *code;
   try {
     run(choices);
   } catch (const std::exception& error) {
