@@ -9,13 +9,13 @@
 namespace prehend::control {
 namespace {
 
-constexpr double kOnPath = 0.03;        // rad or m, from a path: it stands there
-constexpr double kLeastWay = 0.01;      // of a path, that is gone back
-constexpr double kRelief = 0.015;       // m, back up from what it presses on
-constexpr double kSmallRelief = 0.005;  // m
-constexpr int kMostReliefs = 6;         // of fingers that open
-constexpr int kMostHits = 3;            // of a retreat
-constexpr double kBackOff = 0.003;      // m, from what the jaws touch: they are to slide past it
+constexpr double kOnPath = 0.03;       // rad or m, from a path: it stands there
+constexpr double kLeastWay = 0.01;     // of a path, that is gone back
+constexpr double kRelief = 0.02;       // m, back up from what it presses on
+constexpr double kSmallRelief = 0.01;  // m
+constexpr int kMostReliefs = 6;        // of fingers that open
+constexpr int kMostHits = 3;           // of a retreat
+constexpr double kBackOff = 0.003;     // m, from what the jaws touch: they are to slide past it
 
 }  // namespace
 

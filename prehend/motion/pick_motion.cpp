@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kShareForGoals = 0.5;  // of a tier's time, when there is a goal already
 constexpr double kShareOfTier = 0.5;    // of what is left of the budget, when others remain
+const PickMiss kNoTimeLeft{PickFilter::kNotTried, 0, "the budget was used up"};
 
 /// From pregrasp to lifted, for one solution of one grasp.
 struct Goal {
@@ -144,7 +145,7 @@ class Picker {
       const bool enough = static_cast<int>(goals_.size()) >= options_.goals;
       if (enough || is_over(goals_.empty() ? 1 : kShareForGoals)) {
         misses_[i] = {PickFilter::kNotTried, 0,
-                      enough ? "there were goals enough" : "the budget was used up"};
+                      enough ? "there were goals enough" : kNoTimeLeft.text};
         continue;
       }
       try_grasp(i);
@@ -176,7 +177,7 @@ class Picker {
         place_known = true;
         miss = find_place(grasp, goal.lift.back(), 0, places_[i]);
         if (places_[i].ways.empty()) {
-          misses_[i] = miss;
+          misses_[i] = miss.text.empty() ? kNoTimeLeft : miss;
           return;
         }
       }
@@ -184,7 +185,7 @@ class Picker {
       ++count;
     }
     if (count == 0 && misses_[i].text.empty()) {
-      misses_[i] = {PickFilter::kNotTried, 0, "the budget was used up"};
+      misses_[i] = kNoTimeLeft;
     }
   }
 

@@ -65,6 +65,7 @@ inline ArmGrasp fake_grasp() {
   grasp.hand_joints = {"f"};
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   grasp.hand = {one(0.1), one(0.6), one(1), one(-1), one(2)};
+  grasp.place_length = 0.15;
   grasp.lifted_mass = 0.3;
   grasp.score = 0.71;
   return grasp;
