@@ -192,7 +192,7 @@ struct Candidate {
 // The largest group of points without a gap over kPatchGap; a coarse grid is enough to tell.
 std::vector<int> largest_patch(const std::vector<Eigen::Vector3f>& points,
                                const std::vector<int>& indices) {
-  const VoxelGrid coarse = make_voxel_grid(points, indices, kPatchGap / 3);
+  const VoxelGrid coarse = make_voxel_grid(points, indices, kPatchGap / 2);
   std::vector<int> largest;
   for (const auto& patch : euclidean_clusters(coarse.centroids, kPatchGap, 1)) {
     std::vector<int> members;
