@@ -131,10 +131,12 @@ class FastPeer {
   dds::Subscriber* subscriber_ = nullptr;
 };
 
-/// A sensor_msgs/JointState by the other vendor's serialiser.
+/// A sensor_msgs/JointState by the other vendor's serialiser. It leaves what lies between aligned
+/// values as it finds it (CDR gives it no meaning), so it is given zeros, as ours writes.
 std::string fast_joint_state(const std::vector<std::string>& names,
                              const std::vector<double>& positions) {
-  eprosima::fastcdr::FastBuffer buffer;
+  std::string memory(4096, '\0');
+  eprosima::fastcdr::FastBuffer buffer(memory.data(), memory.size());
   eprosima::fastcdr::Cdr cdr(buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
                              eprosima::fastcdr::Cdr::DDS_CDR);
   cdr.serialize_encapsulation();
