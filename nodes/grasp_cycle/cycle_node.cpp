@@ -156,6 +156,9 @@ void CycleNode::subscribe() {
       [this](const auto& plan) { views_.add(plan.shared(), steady_clock::now()); }));
   subscriptions_.push_back(node_.subscribe<msgs::ObjectModel>(
       "/models", QoS::latched(32), [this](const auto& model) { views_.add(model.shared()); }));
+  subscriptions_.push_back(node_.subscribe<msgs::ObjectHypotheses>(
+      "/objects", QoS::latched(),
+      [this](const auto& objects) { views_.add(*objects, steady_clock::now()); }));
   start_service_ =
       node_.serve<msgs::Empty, msgs::Acknowledge>("/cycle/start", [this](const msgs::Empty&) {
         msgs::Acknowledge answer;
@@ -331,8 +334,12 @@ void CycleNode::look_again(double since) {
     look_.ask(since);
     if (!look_.problem().empty()) return robot_->take_nothing(look_.problem());
   }
-  const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
-  if (!view) return;
+  const auto now = steady_clock::now();
+  const View* view = views_.newest_ready(now, graph::nanoseconds(since));
+  if (!view) {
+    const std::string nothing = views_.why_nothing(now, graph::nanoseconds(since));
+    return nothing.empty() ? void() : robot_->take_nothing(nothing);
+  }
   const std::string failure = node_.shield("plan", [&] {
     const bool any = robot_->cycle().any_object();
     // What was given up comes last once something else was moved.

@@ -15,6 +15,8 @@ using grasp::PlanAnswer;
 using grasp::PlanOutcome;
 
 constexpr std::size_t kViewsKept = 4;
+constexpr std::size_t kEmptyViewsKept = 256;
+constexpr std::chrono::seconds kEmptyPatience{2};
 constexpr double kLeastConfidence = 0.05;  // so that scores count among doubtful shapes too
 constexpr double kMostOccluded = 0.25;  // of the outline, before an object counts as seen in part
 
@@ -92,6 +94,21 @@ void ViewCollector::add(std::shared_ptr<const msgs::ObjectModel> model) {
   View& view = view_of(model->header().stamp());
   const std::uint32_t id = model->id();
   view.models[id] = std::move(model);
+}
+
+void ViewCollector::add(const msgs::ObjectHypotheses& objects,
+                        std::chrono::steady_clock::time_point now) {
+  if (!objects.objects().empty()) return empty_views_.clear();
+  why_nothing_ = objects.problem().empty() ? "no objects were found" : objects.problem();
+  empty_views_.emplace(objects.header().stamp(), now);
+  if (empty_views_.size() > kEmptyViewsKept) empty_views_.erase(empty_views_.begin());
+}
+
+std::string ViewCollector::why_nothing(std::chrono::steady_clock::time_point now,
+                                       std::int64_t since) const {
+  const auto first = empty_views_.lower_bound(since);
+  const bool is_sure = first != empty_views_.end() && now - first->second >= kEmptyPatience;
+  return is_sure ? why_nothing_ : "";
 }
 
 const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point now,

@@ -37,17 +37,26 @@ class ViewCollector {
 
   void add(std::shared_ptr<const msgs::GraspPlan> plan, std::chrono::steady_clock::time_point now);
   void add(std::shared_ptr<const msgs::ObjectModel> model);
+  void add(const msgs::ObjectHypotheses& objects, std::chrono::steady_clock::time_point now);
 
   /// The newest view, seen at the stamp `since` [ns] or later, that is complete, or whose last plan
   /// came `patience` ago; else nullptr.
   const View* newest_ready(std::chrono::steady_clock::time_point now,
                            std::int64_t since = std::numeric_limits<std::int64_t>::min()) const;
 
+  /// Why nothing is seen, in words, when no view of the stamp `since` [ns] or later has an object,
+  /// and the first of them came two seconds ago: a camera that goes on may see the next time what
+  /// it missed once. Else empty.
+  std::string why_nothing(std::chrono::steady_clock::time_point now, std::int64_t since) const;
+
  private:
   View& view_of(std::int64_t stamp);
 
   std::chrono::duration<double> patience_;
   std::map<std::int64_t, View> views_;  // by stamp [ns]; the newest few
+  // When views without objects came, by stamp [ns], since one had some; and what the newest said.
+  std::map<std::int64_t, std::chrono::steady_clock::time_point> empty_views_;
+  std::string why_nothing_;
 };
 
 /// What is to be grasped. Without grasps: why there are none, or why the choice is impossible

@@ -18,6 +18,8 @@ class MadePushes {
   void planned(const msgs::GraspPlan& plan);
   /// A push that begins is made.
   void begun(const msgs::CycleState& state);
+  /// What stands there is no more what was pushed: all of it may be pushed again.
+  void something_was_put_down() { lines_.clear(); }
   void clear();
 
   const std::vector<planning::PushLine>& lines() const { return lines_; }

@@ -109,6 +109,7 @@ class GraspPlanning {
     }
     put_down_ = node_.subscribe<msgs::ObjectModel>(
         "/placed", graph::QoS::latched(64), [this](const auto& model) {
+          pushes_.something_was_put_down();
           node_.shield("what was put down is left out as an obstacle",
                        [&] { placed_.add(*model, picked(*model)); });
         });

@@ -153,7 +153,13 @@ bool Collector::wait_for_end(std::chrono::duration<double> timeout,
   last_news_ = Clock::now();
   while (node_.ok() && Clock::now() - last_news_ < timeout) {
     if (collected_.result) return true;
-    if (without_objects_since_ && Clock::now() - *without_objects_since_ > patience) return true;
+    // Once the robot moves, that nothing is left to be seen is the cycle's to say.
+    const bool has_begun =
+        std::any_of(collected_.phases.begin(), collected_.phases.end(),
+                    [](const auto& phase) { return phase.second != control::Phase::kWaiting; });
+    if (!has_begun && without_objects_since_ && Clock::now() - *without_objects_since_ > patience) {
+      return true;
+    }
     changed_.wait_for(lock, std::chrono::milliseconds(100));
   }
   return false;

@@ -52,6 +52,18 @@ TEST(MadePushes, AreThoseThatBegan) {
   EXPECT_TRUE(pushes.lines().empty()) << "of another cycle";
 }
 
+TEST(MadePushes, AreForgottenWhenSomethingWasTakenFromThere) {
+  MadePushes pushes;
+  pushes.planned(plan_of(0, 0.1));
+  pushes.planned(plan_of(1, 0.3));
+  pushes.begun(state_of(msgs::CycleState::PUSH, 0));
+  ASSERT_EQ(pushes.lines().size(), 1u);
+  pushes.something_was_put_down();
+  EXPECT_TRUE(pushes.lines().empty());
+  pushes.begun(state_of(msgs::CycleState::PUSH, 1));
+  EXPECT_EQ(pushes.lines().size(), 1u) << "planned before it was put down, begun after";
+}
+
 // Regression: cameras go on while something is pushed, and in a newer view another object has its
 // id.
 TEST(MadePushes, AreOfTheViewThatTheRobotMovesBy) {

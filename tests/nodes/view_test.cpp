@@ -59,6 +59,25 @@ TEST(ViewCollector, GivesUpWaitingAfterItsPatience) {
   EXPECT_NE(views.newest_ready(start + seconds(8)), nullptr);
 }
 
+// Regression: a table that was cleared of its only thing was looked at until look_timeout.
+TEST(ViewCollector, SaysThatNothingIsSeenOnceItIsSure) {
+  ViewCollector views(seconds(8));
+  const Time start{};
+  msgs::ObjectHypotheses seen;
+  seen.set_problem("The table is empty");
+  for (const int second : {1, 2, 3}) {
+    seen.mutable_header()->set_stamp(10 * second);
+    views.add(seen, start + seconds(second));
+  }
+  EXPECT_EQ(views.why_nothing(start + seconds(3), 10), "The table is empty");
+  EXPECT_EQ(views.why_nothing(start + seconds(3), 20), "") << "the first was a second ago";
+  EXPECT_EQ(views.why_nothing(start + seconds(4), 20), "The table is empty");
+  EXPECT_EQ(views.why_nothing(start + seconds(60), 31), "") << "seen before";
+  seen.add_objects();
+  views.add(seen, start + seconds(4));
+  EXPECT_EQ(views.why_nothing(start + seconds(60), 10), "") << "seen after all";
+}
+
 TEST(ViewCollector, OfWhatWasSeenSinceAStamp) {
   ViewCollector views(seconds(8));
   const Time start{};
