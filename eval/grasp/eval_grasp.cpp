@@ -164,8 +164,10 @@ int main(int argc, char** argv) {
                      "seen, shapes "
                      "predicted and grasps planned, by the front of measured chains (planning is "
                      "not cut off)")
+          ->transform(text::in_seconds())
           ->check(text::above_zero());
   app.add_option("--tolerance", options.tolerance, "m, of the predicted mesh, likewise")
+      ->transform(text::in_metres())
       ->check(text::above_zero())
       ->excludes(budget);
   app.add_option("--from", options.from,

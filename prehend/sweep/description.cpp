@@ -273,10 +273,7 @@ class Reader {
     std::string timeout;
     top_.read("timeout", timeout);
     if (timeout.empty()) return;
-    at(top_, "timeout", [&] {
-      const bool bare = timeout.find_first_not_of("0123456789.") == std::string::npos;
-      made_.timeout = text::parse_seconds(bare ? timeout + " s" : timeout);
-    });
+    at(top_, "timeout", [&] { made_.timeout = text::parse_seconds(timeout); });
   }
 
   void check_names() {

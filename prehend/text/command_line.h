@@ -1,11 +1,15 @@
 #pragma once
 
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
+
+#include "prehend/text/input_error.h"
+#include "prehend/text/quantities.h"
 
 // What the command lines of all programs have in common, beside CLI11.
 namespace prehend::text {
@@ -34,6 +38,25 @@ inline CLI::Validator above_zero(bool or_zero = false) {
   };
   return {check, or_zero ? "NONNEGATIVE" : "POSITIVE"};
 }
+
+/// Turns quantities with their unit ("150ms", by `parse`) into bare numbers in SI's, which stay.
+inline CLI::Validator of_quantity(double (*parse)(const std::string&), const char* name) {
+  const auto in_si = [parse](std::string& word) {
+    double bare = 0;
+    if (CLI::detail::lexical_cast(word, bare)) return std::string();
+    try {
+      std::ostringstream number;
+      number << std::setprecision(17) << parse(word);
+      word = number.str();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  return {in_si, name};
+}
+inline CLI::Validator in_seconds() { return of_quantity(parse_seconds, "TIME"); }
+inline CLI::Validator in_metres() { return of_quantity(parse_metres, "LENGTH"); }
 
 /// Takes the words of a command line. Returns main()'s exit code where there is nothing more to do:
 /// 0 for --help, 2 for wrong use, which is said.

@@ -16,6 +16,13 @@ namespace {
 using Units = std::vector<std::pair<std::string_view, double>>;
 
 const Units kSeconds{{"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}, {"min", 60}, {"h", 3600}};
+const Units kMetres{{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}};
+
+// Without a unit it is one of SI.
+Units or_none(Units units) {
+  units.emplace_back("", 1);
+  return units;
+}
 
 // A number of at least 0 times its unit's factor, below `limit`; `above_zero`: 0 is refused.
 double parse(const std::string& text, const Units& units, const char* what, const char* example,
@@ -31,10 +38,15 @@ double parse(const std::string& text, const Units& units, const char* what, cons
     }
   }
   std::string names;
-  for (const auto& [name, factor] : units) names += fmt::format(" {}", name);
+  bool may_be_bare = false;
+  for (const auto& [name, factor] : units) {
+    may_be_bare = may_be_bare || name.empty();
+    if (!name.empty()) names += fmt::format(" {}", name);
+  }
   throw InputError(fmt::format("'{}' is no {}", text, what),
-                   fmt::format("Write a number {} with one of the units{}, as in {}",
-                               above_zero ? "above 0" : "of at least 0", names, example));
+                   fmt::format("Write a number {} with one of the units{}, as in {}{}",
+                               above_zero ? "above 0" : "of at least 0", names, example,
+                               may_be_bare ? ", or without one in SI's" : ""));
 }
 
 }  // namespace
@@ -56,11 +68,12 @@ std::uint64_t parse_bytes(const std::string& text) {
 }
 
 double parse_seconds(const std::string& text) {
-  return parse(text, kSeconds, "duration", "20ms", HUGE_VAL, true);
+  static const Units kUnits = or_none(kSeconds);
+  return parse(text, kUnits, "duration", "20ms", HUGE_VAL, true);
 }
 
 double parse_metres(const std::string& text) {
-  static const Units kUnits{{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}};
+  static const Units kUnits = or_none(kMetres);
   return parse(text, kUnits, "length", "3mm", HUGE_VAL, true);
 }
 

@@ -13,6 +13,8 @@ TEST(Quantities, HaveTheirUnit) {
   EXPECT_DOUBLE_EQ(parse_seconds("0.5 s"), 0.5);
   EXPECT_DOUBLE_EQ(parse_metres("3mm"), 0.003);
   EXPECT_DOUBLE_EQ(parse_metres("0.2 cm"), 0.002);
+  EXPECT_DOUBLE_EQ(parse_seconds("0.15"), 0.15) << "as launch files and messages have it";
+  EXPECT_DOUBLE_EQ(parse_metres("3e-3"), 0.003);
   EXPECT_EQ(parse_duration("10ms"), 10'000'000);
   EXPECT_EQ(parse_duration("2min"), 120'000'000'000);
   EXPECT_EQ(parse_duration("0s"), 0);
@@ -21,7 +23,8 @@ TEST(Quantities, HaveTheirUnit) {
 }
 
 TEST(Quantities, WithoutUnitOrNumberAreRefused) {
-  for (const char* bad : {"", "20", "ms", "-1ms", "0ms", "3mm", "nanms", "infs", "1 ms x"}) {
+  for (const char* bad :
+       {"", "ms", "nan", "0", "-0.1", "-1ms", "0ms", "3mm", "nanms", "infs", "1 ms x"}) {
     EXPECT_THROW(parse_seconds(bad), InputError) << bad;
   }
   EXPECT_THROW(parse_metres("3ms"), InputError);

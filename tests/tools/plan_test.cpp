@@ -293,7 +293,11 @@ TEST_F(Plan, ABudgetOrToleranceOfACloudChoosesAllStages) {
                   count, box_seen));
   EXPECT_THAT(run({cloud, "--budget", "100"}),
               AllOf(HasSubstr("chosen: segmentation."), HasSubstr("by the budget: ")));
+  EXPECT_THAT(run({cloud, "--budget", "100000ms"}), HasSubstr("by the budget: "));
   EXPECT_THAT(run({cloud, "--tolerance", "0.5"}), HasSubstr("chosen: segmentation."));
+  EXPECT_THAT(run({cloud, "--tolerance", "500mm"}), HasSubstr("chosen: segmentation."));
+  EXPECT_THAT(run({cloud, "--budget", "1 hour"}), HasSubstr("is no duration"));
+  EXPECT_EQ(exit_code_, 2);
   EXPECT_THAT(run({cloud}), Not(HasSubstr("chosen: ")));
   EXPECT_THAT(run({cloud, "--budget", "1e-6"}), HasSubstr("Allow as much as the fastest one"));
   EXPECT_EQ(exit_code_, 1);

@@ -67,6 +67,7 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
           "the PG70, and all platforms but stage_pg70). --budget [s of processor] chooses for a "
           "cloud from it, too: what "
           "lifts most within that from the cloud to grasps")
+      ->transform(text::in_metres())
       ->check(text::in_range(1e-6, 1.0));
   CLI::Option* hand =
       command
@@ -122,6 +123,7 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       .add_option("--remedy-budget", choices.remedy_budget,
                   "where there is no grasp, or no motion: for finding out what would help, by "
                   "planning again with other openings, forces, masses, ... [s]; 0: it is not")
+      ->transform(text::in_seconds())
       ->check(text::in_range(0.0, 3600.0))
       ->capture_default_str();
   command.add_option("--out", choices.out, "folder for a page with pictures");

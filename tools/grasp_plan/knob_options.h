@@ -27,14 +27,13 @@ struct OfferKnobs {
     std::replace(option.begin(), option.end(), '_', '-');
     std::string help(knob.description);
     if (!knob.unit.empty()) help.append(" [").append(knob.unit).append("]");
-    command
-        .add_option_function<Value>(
-            option,
-            [given = given, name](const Value& value) {
-              (*given)[name] = static_cast<double>(value);
-            },
-            help)
-        ->check(text::in_range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
+    CLI::Option* added = command.add_option_function<Value>(
+        option,
+        [given = given, name](const Value& value) { (*given)[name] = static_cast<double>(value); },
+        help);
+    if (knob.unit == "s") added->transform(text::in_seconds());
+    if (knob.unit == "m") added->transform(text::in_metres());
+    added->check(text::in_range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
         ->group(group);
   }
 };
