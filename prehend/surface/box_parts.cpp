@@ -231,8 +231,10 @@ class Decomposition {
         const double imbalance =
             std::abs(static_cast<double>(of_lower.size()) - static_cast<double>(of_upper.size())) /
             static_cast<double>(of_lower.size() + of_upper.size());
-        const double sum =
-            cost(box_hull(of_lower)) + cost(box_hull(of_upper)) + kBalance * imbalance * of_whole;
+        double sum = kBalance * imbalance * of_whole;
+        for (const auto* half : {&of_lower, &of_upper}) {
+          if (!best || sum < least) sum += cost(box_hull(*half));
+        }
         if (best && sum >= least) continue;
         best = {lower, upper};
         least = sum;
