@@ -1,8 +1,10 @@
 #include "eval/grasp/chain_trial.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -36,7 +38,7 @@ std::vector<Setting> segmentation_settings() {
   const auto segmentation = [](const char* points, const char* clustering, const char* table_leaf) {
     return of_knobs({{"points", points}, {"clustering", clustering}, {"table_leaf", table_leaf}});
   };
-  return {segmentation("50000", "organized", "0.016"), segmentation("200000", "organized", "0.016"),
+  return {segmentation("40000", "organized", "0.016"), segmentation("200000", "organized", "0.016"),
           segmentation("all", "euclidean", "0.008")};
 }
 
@@ -71,6 +73,7 @@ std::vector<Setting> shape_settings() {
   };
   return {shape("0.1", "15", "11", "no", "0.006", "32", "0.01", "0"),
           shape("0.04", "31", "21", "yes", "0.006", "32", "0.008", "0"),
+          shape("0.02", "61", "41", "yes", "0.005", "48", "0.006", "0"),
           shape("0.02", "61", "41", "yes", "0.004", "64", "0.004", "0"),
           shape("0.02", "61", "41", "yes", "0", "64", "0.004", "2")};
 }
@@ -84,6 +87,7 @@ std::vector<Setting> plan_settings(const robot::HandModel& hand) {
     const char *count = nullptr, *first_share = nullptr, *further = nullptr;
   };
   const std::vector<Plan> of_jaws{{"6", "3", "1", "4", "1", nullptr, "8", "16"},
+                                  {"8", "4", "1", "4", "1", nullptr, "8", "16"},
                                   {"6", "3", "1", "0", "1"},
                                   {"12", "4", "1", "4", "1"},
                                   {"12", "6", "3", "4", "3"},
@@ -111,23 +115,26 @@ std::vector<Setting> plan_settings(const robot::HandModel& hand) {
   return settings;
 }
 
-// What a stage gives, and the processor time of it.
+// What a stage gives, and its processor time: the smaller of two runs, as nodes that go on have
+// their memory and what they make once.
 template <class Result>
 struct Timed {
   std::optional<Result> result;  // none: it failed
-  double seconds = 0;
+  double seconds = std::numeric_limits<double>::infinity();
 };
 
 template <class Result>
 Timed<Result> timed(const std::function<Result()>& stage) {
   Timed<Result> timed;
-  const double start = processor_time();
-  try {
-    timed.result = stage();
-  } catch (const geometry::InputError&) {
-    // That chain does not lift it. Anything else is a bug, and ends the case in words.
+  for (int run = 0; run < 2; ++run) {
+    const double start = processor_time();
+    try {
+      timed.result = stage();
+    } catch (const geometry::InputError&) {
+      // That chain does not lift it. Anything else is a bug, and ends the case in words.
+    }
+    timed.seconds = std::min(timed.seconds, processor_time() - start);
   }
-  timed.seconds = processor_time() - start;
   return timed;
 }
 
