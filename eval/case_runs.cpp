@@ -186,7 +186,7 @@ std::vector<CaseOutcome<std::string>> run_text_cases(
   bool is_first = false;
   const auto lead = [&](sweep::Workers* ranks) {
     is_first = true;
-    fs::create_directories(options.out);
+    make_folder(options.out);
     const sweep::FolderLock lock(options.out / "lock", false, "'" + options.out.string() + "'");
     sweep::ResultStore store(options.out / "results.db");
     forget_others(options, store);

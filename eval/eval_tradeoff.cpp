@@ -184,7 +184,7 @@ int sweep_shape(const Options& options) {
   }
   // A quick look is no measurement to choose from later.
   const fs::path file = options.quick ? options.runs.out / "shape.yaml" : options.front;
-  fs::create_directories(options.runs.out);
+  eval::make_folder(options.runs.out);
   fidelity::write_front(file, front);
   write_page(options, tradeoff, front);
   for (const fidelity::Setting& s : front.settings) {
@@ -231,7 +231,7 @@ int sweep_plan(const Options& options) {
                  "Every setting that was tried, and those that nothing beats");
   page.add_table({"planning [ms]", "lifted at first", "within three", "setting"}, rows);
   const fs::path file = options.quick ? options.runs.out / "plan.yaml" : options.front;
-  fs::create_directories(options.runs.out);
+  eval::make_folder(options.runs.out);
   fidelity::write_front(file, front);
   eval::write_text(options.runs.out / "plan.csv", csv);
   page.write(options.runs.out / "index.html");
@@ -247,7 +247,7 @@ int sweep_touch(const Options& options) {
       });
   // A quick look is no measurement to choose from later.
   const fs::path fronts = options.quick ? options.runs.out : options.front.parent_path();
-  fs::create_directories(options.runs.out);
+  eval::make_folder(options.runs.out);
   eval::touch::write_touch_tradeoff(tradeoff, processor() + ", processor time", fronts,
                                     options.runs.out);
   std::printf("%s\n%s\n", fronts.c_str(), (options.runs.out / "index.html").c_str());

@@ -7,6 +7,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/platform/launched.h"
+#include "eval/text_files.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/grasp.pb.h"
@@ -172,7 +173,7 @@ ClearResult run_clear(const std::filesystem::path& file, const std::string& plat
   result.platform = platform;
   std::vector<std::string> words{std::string("task:=") + kTask};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   const auto start = std::chrono::steady_clock::now();
   const int exit_code = run_demo(programs, file, platform, folder, words, kLongest);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -166,7 +166,7 @@ void write_page(const fs::path& folder, const std::vector<std::vector<std::strin
 ClearResult result_of(const Run& one, const std::vector<simulation::ClutterSolid>& solids,
                       const std::vector<std::string>& arguments, const fs::path& folder,
                       const fs::path& programs) {
-  fs::create_directories(folder);
+  eval::make_folder(folder);
   const eval::ClutterCase& clutter = *one.scene;
   const fs::path file = folder / (clutter.name + ".yaml");
   const auto bodies = simulation::drop_clutter(solids, clutter.options);

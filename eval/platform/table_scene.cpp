@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "eval/resting_pose.h"
+#include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/simulation/clutter_scene.h"
@@ -96,7 +97,7 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
 }
 
 std::filesystem::path write_scene(const TableScene& scene, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   static const Eigen::Vector3d kColors[] = {
       {0.75, 0.25, 0.2}, {0.2, 0.45, 0.75}, {0.3, 0.6, 0.3}, {0.8, 0.65, 0.2}};
   simulation::Scene written;

@@ -140,6 +140,15 @@ TEST_F(CaseRuns, WhatIsNoResultIsRunAgain) {
   EXPECT_EQ(begun(0), 2);
 }
 
+TEST_F(CaseRuns, AFolderThatCannotBeMadeIsNamed) {
+  write_text(options_.out / "file", "");
+  options_.out /= "file/folder";
+  const auto run = [](int) -> std::string { return "fine"; };
+  EXPECT_THAT([&] { run_text_cases(options_, names_of(1), any, run); },
+              ::testing::ThrowsMessage<geometry::InputError>(
+                  HasSubstr("file/folder' cannot be made: Not a directory")));
+}
+
 TEST_F(CaseRuns, FoldersOfOthersAreRefused) {
   std::filesystem::create_directories(options_.out);
   write_text(options_.out / "results.db", "no database");

@@ -100,6 +100,20 @@ class TouchOfLaunchFiles : public ::testing::Test {
   int calls_ = 0;
 };
 
+// Refused before anything starts, and by --check.
+TEST_F(TouchOfLaunchFiles, IsChosenByOneOfBoth) {
+  for (const char* file : {"launch/demo.yaml", "launch/simulated_robot.yaml"}) {
+    EXPECT_THAT(dry_run({file, "touch_budget:=1", "touch_tolerance:=0.1"}, 1),
+                HasSubstr("touch_budget and touch_tolerance are both given"));
+  }
+  EXPECT_THAT(dry_run({"launch/demo.yaml", "platform:=kr5_sdh", "predicted_touch_budget:=1",
+                       "predicted_touch_tolerance:=0.1"},
+                      1),
+              HasSubstr("predicted_touch_budget and predicted_touch_tolerance are both given"));
+  EXPECT_THAT(dry_run({"launch/demo.yaml", "budget:=1", "tolerance:=0.1"}, 1),
+              HasSubstr("budget and tolerance are both given"));
+}
+
 // Both reach the world; what predicts touch is asked apart.
 TEST_F(TouchOfLaunchFiles, IsChosenForTheWorldAndForItsPrediction) {
   const std::vector<std::vector<std::string>> files{
