@@ -338,7 +338,8 @@ void CycleNode::look_again(double since) {
   const View* view = views_.newest_ready(now, graph::nanoseconds(since));
   if (!view) {
     const std::string nothing = views_.why_nothing(now, graph::nanoseconds(since));
-    return nothing.empty() ? void() : robot_->take_nothing(nothing);
+    if (!nothing.empty()) robot_->take_nothing(nothing);
+    return;
   }
   const std::string failure = node_.shield("plan", [&] {
     const bool any = robot_->cycle().any_object();
