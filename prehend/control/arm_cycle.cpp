@@ -200,7 +200,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     return fail(why);
   }
   if (status == MotionStatus::kContact && !moves_hand() && !reacts_to_contact()) {
-    if (retreats_on()) return;
+    if (retreats_on() || stays_before_hit()) return;
     return fail(fmt::format("{}: the arm hit something, the wrist felt {:.0f} N", detail_,
                             felt_contact(0)));
   }

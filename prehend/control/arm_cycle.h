@@ -257,6 +257,8 @@ class ArmCycle : public Cycle {
   bool leaves_jammed();
   /// The retreat goes on from where it has hit something; true then.
   bool retreats_on();
+  /// It goes off what it has hit on its way back, and no further; true then.
+  bool stays_before_hit();
   void open_hand(Step step, const std::string& detail);
   void open_to_release();
   /// Puts down again what the hand has taken along, to leave it with fingers that open less.
@@ -309,7 +311,8 @@ class ArmCycle : public Cycle {
   bool clears_ = false;          // it goes back to look again
   std::map<std::string, double> sums_at_rest_;  // N, of pads, before the approach
   std::vector<JointTrajectory>
-      gone_;  // that were begun in this attempt, and lead back when reversed
+      gone_;                  // that were begun in this attempt, and lead back when reversed
+  JointTrajectory way_back_;  // that is gone now, of one of them
   InputWatch watch_;
   ArmPercepts percepts_;
   Holding holding_;

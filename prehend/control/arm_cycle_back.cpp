@@ -1,6 +1,7 @@
 // The arm leaves what it has put down, and goes back the way it came.
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@ constexpr double kSmallRelief = 0.01;  // m
 constexpr int kMostReliefs = 6;        // of fingers that open
 constexpr int kMostHits = 3;           // of a retreat
 constexpr double kBackOff = 0.003;     // m, from what the jaws touch: they are to slide past it
+constexpr double kOffHit = 0.02;  // rad or m, of the joint that goes farthest, from what it hit
 
 }  // namespace
 
@@ -151,7 +153,8 @@ void ArmCycle::go_back() {
   go_back_along();
 }
 
-// Contact, or who stopped it, may have ended it on its way.
+// Contact, or who stopped it, may have ended it on its way. Where it passes the end of an earlier
+// way it turns into that: what was let go of in the air lies where those between lead.
 void ArmCycle::go_back_along() {
   JointTrajectory way = gone_.back();
   gone_.pop_back();
@@ -161,7 +164,35 @@ void ArmCycle::go_back_along() {
     return nearest_on(path, percepts_.names, percepts_.positions);
   };
   if (off(end).off > kOnPath) way = part_of(way, std::max(off(way).share, kLeastWay));
-  follow(reversed(way), 0, false);
+  way_back_ = reversed(way);
+  for (std::size_t i = 0; i < gone_.size(); ++i) {
+    const PlaceOnPath passed =
+        nearest_on(way_back_, gone_[i].joints, gone_[i].points.back().position);
+    if (passed.off > kOnPath) continue;
+    gone_.resize(i + 1);
+    way_back_ = part_of(way_back_, std::max(passed.share, kLeastWay));
+    break;
+  }
+  follow(way_back_, options_.collision_force + pressed_force(), false);
+}
+
+// What fell where it came along is not pressed through: the next plan begins from where it stands.
+bool ArmCycle::stays_before_hit() {
+  if (step_ != Step::kGoBack || way_back_.points.empty()) return false;
+  add_surprise(SurpriseKind::kMotion, 1, 0, "goes off what it hit and stays there");
+  gone_.clear();
+  const double gone = nearest_on(way_back_, percepts_.names, percepts_.positions).share;
+  const JointTrajectory off = reversed(part_of(way_back_, std::max(gone, kLeastWay)));
+  double farthest = 0;
+  for (std::size_t j = 0; j < off.joints.size(); ++j) {
+    farthest = std::max(farthest,
+                        std::abs(off.points.back().position[j] - off.points.front().position[j]));
+  }
+  way_back_.points.clear();
+  enter(Step::kGoBack, "going off what it hit on its way back");
+  const double share = farthest > kOffHit ? kOffHit / farthest : 1.0;
+  follow(part_of(off, std::max(time_of_way(off, share), kLeastWay)), 0, false);
+  return true;
 }
 
 }  // namespace prehend::control

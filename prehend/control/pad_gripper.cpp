@@ -212,20 +212,25 @@ bool PadGripper::touches() const {
 
 std::string PadGripper::lost(bool rests) const {
   if (!percept_ || !left_ || !right_) return {};
-  const double least_opening = rises_since_ ? kClosed : grip_opening_ - options_.largest_collapse;
+  // While the force rises, what is felt follows.
+  const double wanted = rises_since_ ? std::min(force_, controller_.reference()) : force_;
+  const double least = std::max(options_.touch_force, options_.held_ratio * wanted);
+  const PadPercept& less = left_->sum < right_->sum ? *left_ : *right_;
+  const PadPercept& more = left_->sum < right_->sum ? *right_ : *left_;
+  // The jaws press with one force: what a pad feels less of it is borne beside its cells. What both
+  // feel is held, though it turned in the jaws until they came closer; jaws that are closed feel
+  // each other.
+  if (less.sum >= options_.touch_force && more.sum >= least && percept_->opening >= kClosed) {
+    return {};
+  }
+  const double least_opening =
+      rises_since_ ? kClosed : std::max(kClosed, grip_opening_ - options_.largest_collapse);
   if (percept_->opening < least_opening) {
     return "the opening collapsed from " + millimetres(grip_opening_) + " to " +
            millimetres(percept_->opening);
   }
   // What stands leans on one pad more than on the other, but it stays between them.
   if (rests) return {};
-  // While the force rises, what is felt follows.
-  const double wanted = rises_since_ ? std::min(force_, controller_.reference()) : force_;
-  const double least = std::max(options_.touch_force, options_.held_ratio * wanted);
-  const PadPercept& less = left_->sum < right_->sum ? *left_ : *right_;
-  const PadPercept& more = left_->sum < right_->sum ? *right_ : *left_;
-  // The jaws press with one force: what a pad feels less of it is borne beside its cells.
-  if (less.sum >= options_.touch_force && more.sum >= least) return {};
   return fmt::format("the {} pad feels only {:.1f} N", less.name, less.sum);
 }
 

@@ -60,7 +60,8 @@ struct PadGripperOptions {
              "of the grasp force that one pad must still feel when lifted, the other any: what it "
              "feels less is borne beside its cells"});
     visit(Knob{"largest_collapse", self.largest_collapse, "m", 0.0001, 1,
-               "that the opening may shrink after the grasp settled"});
+               "that the opening may shrink after the grasp settled, of what the pads feel too "
+               "little of"});
     visit(Knob{"settled_time", self.settled_time, "s", 0, 10, "that the force must stay settled"});
     visit(Knob{"closing_timeout", self.closing_timeout, "s", 0.1, 120,
                "from the start of closing to the touch of both pads"});
@@ -77,7 +78,7 @@ struct PadGripperOptions {
 /// A parallel gripper with two tactile pads as a hand of the cycle. It closes with a constant speed
 /// until both pads touch, and controls the mean of their sums through the motor's current from then
 /// on until it is told something else. What it holds its pads and its opening tell: something is
-/// lost when the opening has collapsed, or a pad feels too little. Its one joint is half of the
+/// lost when a pad feels too little, or the jaws have closed. Its one joint is half of the
 /// opening. Not thread-safe.
 class PadGripper : public HandPort {
  public:

@@ -378,6 +378,47 @@ TEST(ArmCycle, GoesBackAndTriesTheNextGrasp) {
   EXPECT_EQ(surprising(cycle), 2) << "one for each attempt";
 }
 
+// What was let go of after the lift lies where the grasp was.
+TEST(ArmCycle, GoesBackPastWhereItGraspedWhenTheLiftPassesTheReachsEnd) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  f.weight = 0.05;  // nothing is held
+  ArmGrasp grasp = fake_grasp();
+  grasp.segments[2].second = path(2, 0.5);  // the reach ends at 1
+  cycle.step(f.now);
+  cycle.start({grasp});
+  f.run(cycle);
+  ASSERT_EQ(f.arm.asked.size(), 5u);
+  EXPECT_NEAR(f.arm.asked[3].points.back().position[0], 1, 0.03);
+  EXPECT_NEAR(f.arm.asked[4].points.back().position[0], 0, 1e-12);
+}
+
+// Regression: an arm that went back down to where it had let go of a duck pressed onto it with
+// 880 N, and took it along on a jaw.
+TEST(ArmCycle, WhatItHitsOnItsWayBackIsNotPressedThrough) {
+  Fakes f;
+  ArmCycleOptions options;
+  options.largest_attempts = 1;
+  ArmCycle cycle(options, f.arm, f.hand);
+  f.weight = 0.05;  // nothing is held
+  f.arm.says[4] = MotionStatus::kContact;
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
+    f.now.time += 0.02;
+    f.felt();
+    if (f.arm.asked.size() == 4) f.now.positions[0] = 2.5;  // halfway down
+    cycle.step(f.now);
+  }
+  EXPECT_TRUE(cycle.finished());
+  EXPECT_NEAR(f.arm.forces[3], options.collision_force, 0.1);
+  ASSERT_EQ(f.arm.asked.size(), 5u) << "it stays there";
+  EXPECT_NEAR(f.arm.asked[4].points.front().position[0], 2.5, 1e-9);
+  EXPECT_NEAR(f.arm.asked[4].points.back().position[0], 2.52, 1e-3) << "off what it hit";
+  EXPECT_THAT(cycle.result().reason, HasSubstr("nothing is held"));
+  ASSERT_NE(surprise_of(cycle, SurpriseKind::kMotion), nullptr);
+}
+
 TEST(ArmCycle, LooksAgainFromWhereItBegan) {
   Fakes f;
   ArmCycleOptions options;

@@ -107,6 +107,7 @@ class FakeWorld {
     path_begin_ = time_;
     contact_force_ = contact_force;
     contact_ = false;
+    begins_in_obstacle_ = height() < obstacle_height;
     arm_moving_ = true;
   }
   MotionStatus jaw_motion() const {
@@ -185,7 +186,7 @@ class FakeWorld {
     if (lost_when_carried && gripped && p_WG_.y() > 0.05) held_possible_ = false;
     if (!gripped || force() == 0) object_height_ = 0;
     touching_obstacle_ = height() < obstacle_height;
-    if (contact_force_ > 0 && touching_obstacle_) {
+    if (contact_force_ > 0 && touching_obstacle_ && !begins_in_obstacle_) {
       contact_ = true;
       arm_moving_ = false;
     }
@@ -218,6 +219,7 @@ class FakeWorld {
   JointTrajectory path_;
   double path_begin_ = 0, contact_force_ = 0;
   bool arm_moving_ = false, contact_ = false, touching_obstacle_ = false;
+  bool begins_in_obstacle_ = false;  // what presses at first is allowed for
   double object_height_ = 0, highest_object_ = 0, highest_ = 0;
 };
 

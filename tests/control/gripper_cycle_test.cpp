@@ -372,6 +372,16 @@ TEST_F(GripperCycleTest, WhatOnePadFeelsLessOfIsHeld) {
   EXPECT_EQ(cycle.result().attempts, 1);
 }
 
+// Regression: a duck turned in the jaws, which came 4 mm closer; it was taken for lost, and
+// dropped.
+TEST_F(GripperCycleTest, WhatTurnsInTheJawsIsHeld) {
+  run(1, [this] {
+    if (world.height() > 0.2) world.object_width = 0.042;
+  });
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+}
+
 TEST_F(GripperCycleTest, OneNumbPad) {
   world.right_gain = 0;
   run(1);
