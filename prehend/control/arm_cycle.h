@@ -239,9 +239,9 @@ class ArmCycle : public Cycle {
   bool watch_held();
   void check();
   void verify();
-  /// Goes back a little from what the jaws touch near the end of the approach; false: it is too far
-  /// from there.
-  bool back_off();
+  /// Goes back a little from what the jaws touch on the approach: near its end, or where what they
+  /// touch is between them; false: it does not.
+  bool back_off(bool is_between);
   /// Feels where the thing is on which the approach has ended early; false: it does not adapt.
   bool feel();
   /// Lets go to shift the hand, as the fingers were stopped beside the prediction; false: it stays.

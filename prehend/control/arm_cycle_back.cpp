@@ -33,13 +33,15 @@ void ArmCycle::clear_view() {
   go_back();
 }
 
-bool ArmCycle::back_off() {
+bool ArmCycle::back_off(bool is_between) {
   const JointTrajectory* approach = segment(motion::SegmentKind::kApproach);
   const double length = grasp().approach_length;
   if (!options_.reacts || approach == nullptr || !(length > 0)) return false;
   const double gone = nearest_on(*approach, percepts_.names, percepts_.positions).share;
   const double came = way_gone(*approach, gone) * length;
-  if (!(came > 0) || length - came > options_.largest_shortfall) return false;
+  if (!(came > kBackOff) || (!is_between && length - came > options_.largest_shortfall)) {
+    return false;
+  }
   const JointTrajectory back = reversed(part_of(*approach, gone));
   enter(Step::kBackOff,
         fmt::format("going back from what it touches, {:.0f} mm before the end of the approach",

@@ -56,8 +56,8 @@ void ArmCycle::after_approach(MotionStatus status) {
     // What stands in a jaw's way is not between the jaws, but the object may be by now.
     const double felt = felt_contact(0);
     // A pad that feels it has it between the jaws, wedged: left so, the open hand takes it along.
-    const bool goes_back = back_off(),
-               is_between = options_.reacts && options_.largest_shortfall > 0 && hand_.touches();
+    const bool is_between = options_.reacts && options_.largest_shortfall > 0 && hand_.touches(),
+               goes_back = back_off(is_between);
     add_surprise({SurpriseKind::kTouchedTooEarly, 0, felt, 0, true,
                   goes_back ? "goes back a little and closes there"
                             : (is_between ? "closes there" : "lets go and looks again")});

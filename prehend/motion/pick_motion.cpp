@@ -299,11 +299,16 @@ class Picker {
       const auto timed = [&](const RobotInWorld& scene) {
         segment.trajectory = blend_trajectory(scene, way, options_.acceleration, options_.timing);
       };
-      const auto timed_straight = [&](const RobotInWorld& scene) {
+      const auto timed_straight = [&](const RobotInWorld& scene, bool is_guarded = false) {
         segment.trajectory = blend_trajectory(scene, way, options_.acceleration, straight);
-        if (options_.straight_speed <= 0) return;
+        double most = options_.straight_speed;
+        if (is_guarded && options_.guarded_speed > 0 &&
+            !(most > 0 && most < options_.guarded_speed)) {
+          most = options_.guarded_speed;
+        }
+        if (most <= 0) return;
         TimingOptions slower = straight;
-        slower.speed_factor = options_.straight_speed / tool_speed(*segment.trajectory);
+        slower.speed_factor = most / tool_speed(*segment.trajectory);
         if (slower.speed_factor >= straight.speed_factor) return;
         segment.trajectory = blend_trajectory(scene, way, options_.acceleration, slower);
       };
@@ -312,7 +317,7 @@ class Picker {
           timed(scenes_.reach());
           break;
         case SegmentKind::kApproach:
-          timed_straight(scenes_.approach());
+          timed_straight(scenes_.approach(), true);
           break;
         case SegmentKind::kLift:
           timed_straight(scenes_.lift(grasp, way.front()));
@@ -321,7 +326,7 @@ class Picker {
           timed(scenes_.carry(grasp));
           break;
         case SegmentKind::kPlace:
-          timed_straight(scenes_.lift(grasp, way.back()));
+          timed_straight(scenes_.lift(grasp, way.back()), true);
           result_.place_share = share_at(*segment.trajectory, stands_);
           break;
         case SegmentKind::kRetreat:

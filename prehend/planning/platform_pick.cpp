@@ -26,12 +26,13 @@ using geometry::RigidTransform;
 using geometry::TriangleMesh;
 using std::chrono::steady_clock;
 
-constexpr int kElbowAngles = 8;       // for what the arm reaches at all
-constexpr double kShareOfTime = 0.5;  // of what is left, while other grasps remain
-constexpr double kShiftStep = 0.005;  // m, of straight ways to the sides
-constexpr double kOverAll = 0.05;     // m, between what is carried over all and the highest of it
-constexpr double kLower = 1e-6;       // m, of a place: less is none
-constexpr double kOverTable = 0.008;  // m, of the hand at the end of a way down
+constexpr int kElbowAngles = 8;         // for what the arm reaches at all
+constexpr double kShareOfTime = 0.5;    // of what is left, while other grasps remain
+constexpr double kShiftStep = 0.005;    // m, of straight ways to the sides
+constexpr double kGuardedSpeed = 0.03;  // m/s
+constexpr double kOverAll = 0.05;       // m, between what is carried over all and the highest of it
+constexpr double kLower = 1e-6;         // m, of a place: less is none
+constexpr double kOverTable = 0.008;    // m, of the hand at the end of a way down
 
 /// Grasps of one preshape and opening, and the robot with its hand so.
 struct HandShape {
@@ -163,6 +164,7 @@ class PlatformPicker {
     if (options.guarded) task_.clear_height = height_over_all(scene);
     task_.goes_on_down = options.guarded;
     pick_ = options.pick;
+    if (options.guarded) pick_.guarded_speed = kGuardedSpeed;
     pick_.acceleration = platform.acceleration;
   }
 

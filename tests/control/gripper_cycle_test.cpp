@@ -318,9 +318,10 @@ TEST_F(GripperCycleTest, EarlyTouchOfAPadIsClosedOnWhereItIs) {
   });
   EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(cycle.result().attempts, 1);
-  EXPECT_NEAR(gripped, 0.075, 0.003);
+  EXPECT_NEAR(gripped, 0.078, 0.002) << "a little back from what it pressed on";
   ASSERT_NE(surprise(SurpriseKind::kTouchedTooEarly), nullptr);
-  EXPECT_EQ(surprise(SurpriseKind::kTouchedTooEarly)->reaction, "closes there");
+  EXPECT_EQ(surprise(SurpriseKind::kTouchedTooEarly)->reaction,
+            "goes back a little and closes there");
 }
 
 TEST_F(GripperCycleTest, EarlyTouchNearTheEndLetsGoWhereThatIsAsked) {

@@ -116,15 +116,19 @@ TEST_P(PlanPick, StraightSegmentsKeepTheToolsSpeed) {
   options.straight_speed = 0.1;
   const PickMotion motion = plan(scene, options);
   ASSERT_TRUE(motion.found()) << motion.problem;
-  for (const PickSegment& segment : motion.segments) {
-    constexpr double kStep = 0.002;  // s
-    double fastest = 0;              // m/s
+  const auto fastest_of = [&](const PickSegment& segment) {  // m/s
+    constexpr double kStep = 0.002;                          // s
+    double fastest = 0;
     for (double time = 0; time < segment.trajectory->duration(); time += kStep) {
       const Eigen::Vector3d way =
           scene.chain.forward(segment.trajectory->at(time + kStep).position).translation() -
           scene.chain.forward(segment.trajectory->at(time).position).translation();
       fastest = std::max(fastest, way.norm() / kStep);
     }
+    return fastest;
+  };
+  for (const PickSegment& segment : motion.segments) {
+    const double fastest = fastest_of(segment);
     if (segment.kind == SegmentKind::kReach || segment.kind == SegmentKind::kCarry) {
       EXPECT_GT(fastest, 0.2) << to_string(segment.kind);
     } else {
@@ -132,6 +136,13 @@ TEST_P(PlanPick, StraightSegmentsKeepTheToolsSpeed) {
       EXPECT_GT(fastest, 0.05) << to_string(segment.kind);
     }
     EXPECT_EQ(segment.trajectory->at(1e9).position, segment.waypoints.back());
+  }
+  options.guarded_speed = 0.03;
+  for (const PickSegment& segment : plan(scene, options).segments) {
+    const bool is_guarded =
+        segment.kind == SegmentKind::kApproach || segment.kind == SegmentKind::kPlace;
+    if (is_guarded) EXPECT_LT(fastest_of(segment), 0.033) << to_string(segment.kind);
+    if (!is_guarded) EXPECT_GT(fastest_of(segment), 0.05) << to_string(segment.kind);
   }
 }
 
