@@ -62,7 +62,7 @@ struct SharedCycleOptions {
   int largest_attempts = 3;  // > 0, with one object
   int largest_touches = 1;   // >= 0, of one object, before it is lifted (`decide`)
   int largest_looks = 1;     // >= 0, the same, from elsewhere, by a camera that the arm carries
-  int largest_pushes = 5;    // >= 0, one after the other, while nothing is put at a place (`push`)
+  int largest_pushes = 10;   // >= 0, one after the other, while nothing is put at a place (`push`)
   double stale_time = 0.25;  // s
   double answer_time = 2;    // s
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
