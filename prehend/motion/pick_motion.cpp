@@ -326,7 +326,7 @@ class Picker {
           timed(scenes_.carry(grasp));
           break;
         case SegmentKind::kPlace:
-          timed_straight(scenes_.lift(grasp, way.back()), true);
+          timed_straight(scenes_.lift(grasp, way.back()));
           result_.place_share = share_at(*segment.trajectory, stands_);
           break;
         case SegmentKind::kRetreat:

@@ -73,9 +73,9 @@ struct PickOptions {
   /// m/s, >= 0, of the tool on straight segments, where things are touched; 0: as fast as the
   /// joints.
   double straight_speed = 0;
-  /// m/s, >= 0, of the tool at most where it comes down on what may stand elsewhere than it is
-  /// thought to: approach and place; 0: as on other straight segments. What is stopped by touch has
-  /// gone on for as long as that takes, and presses by as much more the faster it came.
+  /// m/s, >= 0, of the tool at most on the approach to what may stand elsewhere than it is thought
+  /// to; 0: as on other straight segments. What is stopped by touch has gone on for as long as that
+  /// takes, and presses by as much more the faster it came.
   double guarded_speed = 0;
 
   /// See text/knob.h.

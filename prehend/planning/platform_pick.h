@@ -48,7 +48,7 @@ struct PlatformPickOptions {
   std::vector<Eigen::Vector3d> moves_W;
   /// Nothing is certain of the object's shape. Where it is carried elsewhere, it is lifted above
   /// all that stands about, if the arm reaches so high, and its way down goes on as far as the hand
-  /// may, slowly as its approach: for an arm that feels what it meets (guarded moves: Will and
+  /// may; the approach is slow. For an arm that feels what it meets (guarded moves: Will and
   /// Grossman, IEEE Transactions on Computers C-24, 1975).
   bool guarded = false;
   double shift = 0.02;  // m, >= 0, of PlatformPick::shifts at most; 0: none are looked for

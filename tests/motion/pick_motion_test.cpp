@@ -139,8 +139,7 @@ TEST_P(PlanPick, StraightSegmentsKeepTheToolsSpeed) {
   }
   options.guarded_speed = 0.03;
   for (const PickSegment& segment : plan(scene, options).segments) {
-    const bool is_guarded =
-        segment.kind == SegmentKind::kApproach || segment.kind == SegmentKind::kPlace;
+    const bool is_guarded = segment.kind == SegmentKind::kApproach;
     if (is_guarded) EXPECT_LT(fastest_of(segment), 0.033) << to_string(segment.kind);
     if (!is_guarded) EXPECT_GT(fastest_of(segment), 0.05) << to_string(segment.kind);
   }
