@@ -311,8 +311,9 @@ class ArmCycle : public Cycle {
   bool clears_ = false;          // it goes back to look again
   std::map<std::string, double> sums_at_rest_;  // N, of pads, before the approach
   std::vector<JointTrajectory>
-      gone_;                  // that were begun in this attempt, and lead back when reversed
-  JointTrajectory way_back_;  // that is gone now, of one of them
+      gone_;                       // that were begun in this attempt, and lead back when reversed
+  JointTrajectory way_back_;       // that is gone now, of one of them
+  double pressed_at_release_ = 0;  // N, when the hand began to open
   InputWatch watch_;
   ArmPercepts percepts_;
   Holding holding_;

@@ -56,9 +56,11 @@ bool ArmCycle::presses() const {
 }
 
 // Fingers that unroll come down, onto the table or the floor of a cup: opened by force they stay
-// half closed, and hook what they stand in.
+// half closed, and hook what they stand in. What was put down is pressed from before they open: a
+// hand that went up for that would take it along.
 bool ArmCycle::opens_onto_something() const {
-  return step_ == Step::kRelease && reliefs_ < kMostReliefs && !hand_.feels_its_grip() && presses();
+  return step_ == Step::kRelease && reliefs_ < kMostReliefs && !hand_.feels_its_grip() &&
+         presses() && pressed_force() > pressed_at_release_ + options_.contact_force;
 }
 
 bool ArmCycle::can_relieve() const {
@@ -114,6 +116,7 @@ void ArmCycle::open_hand(Step step, const std::string& detail) {
 }
 
 void ArmCycle::open_to_release() {
+  pressed_at_release_ = pressed_force();
   open_hand(Step::kRelease, failure().empty() ? "opening the hand" : failure() + "; opening");
 }
 

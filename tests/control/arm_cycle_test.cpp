@@ -326,10 +326,13 @@ TEST(ArmCycle, FromWhatFingersOpenOntoTheHandGoesUpAndTheyGoOn) {
   cycle.start({fake_grasp()});
   f.run(cycle, 4000, 5);  // it goes down to the place
   int pressed = 0;
+  std::size_t asked = 0;
   for (int i = 0; i < 400 && !cycle.finished(); ++i) {
     f.now.time += 0.02;
-    const bool presses = !f.hand.last_closes && f.arm.asked.size() < 7;
-    f.hand.opens = presses ? MotionStatus::kMoving : MotionStatus::kReached;
+    const bool opens = !f.hand.last_closes && f.arm.asked.size() < 7;
+    f.hand.opens = opens ? MotionStatus::kMoving : MotionStatus::kReached;
+    const bool presses = opens && f.arm.asked.size() == asked;  // once they have begun to open
+    if (opens) asked = f.arm.asked.size();
     if (f.felt(); presses) f.now.wrist_force = Eigen::Vector3d(0, 0, -30);
     pressed += presses;
     cycle.step(f.now);
@@ -347,6 +350,25 @@ TEST(ArmCycle, FromWhatFingersOpenOntoTheHandGoesUpAndTheyGoOn) {
   }
   EXPECT_NEAR(f.arm.asked[7].points.front().position[0], at, 1e-9) << "away, as far above";
   EXPECT_NEAR(f.arm.asked[7].points.back().position[0], at + 1, 1e-9);
+}
+
+// Regression: a bottle that stood, pressed onto the table by the hand that had put it down, was
+// taken up again by 1 cm as the fingers began to open, and dropped beside its place.
+TEST(ArmCycle, WhatIsPressedOnFromBeforeIsNotTakenUpAgain) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  f.run(cycle, 4000, 5);  // it goes down to the place
+  for (int i = 0; i < 400 && !cycle.finished() && f.arm.asked.size() < 6; ++i) {
+    f.now.time += 0.02;
+    f.felt();
+    f.hand.opens = i < 40 ? MotionStatus::kMoving : MotionStatus::kReached;
+    if (i < 40) f.now.wrist_force = Eigen::Vector3d(0, 0, -13);
+    cycle.step(f.now);
+  }
+  ASSERT_EQ(f.arm.asked.size(), 6U) << cycle.result().reason;
+  EXPECT_NEAR(f.arm.asked[5].points.back().position[0], 6, 1e-9) << "the retreat";
 }
 
 TEST(ArmCycle, WithoutAPlaceItEndsHolding) {
